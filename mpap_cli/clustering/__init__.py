@@ -1,0 +1,1 @@
+"""Features become meta-points and clusters (sections 2.2 and 3)."""

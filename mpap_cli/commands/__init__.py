@@ -1,0 +1,1 @@
+"""What each command does: one typed function a command, the public API."""

@@ -1,0 +1,1 @@
+"""Recorded logs: bytes on disk become scans and bumps in time order."""

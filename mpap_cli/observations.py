@@ -1,0 +1,156 @@
+"""Records that travel through the pipeline, from the log to the table.
+
+What flows is a block: arrays over n observations. Stamps are integer nanoseconds.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.floating[Any]]
+Float32Array = NDArray[np.float32]
+Float64Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Int8Array = NDArray[np.int8]
+BoolArray = NDArray[np.bool_]
+
+NS_PER_S = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class ScanGeometry:
+    """Where the beams of a laser scan point, as sensor_msgs/LaserScan says it.
+
+    Angles are radians in the frame of the scanner, ranges metres.
+    """
+
+    n_beams: int
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    frame_id: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScanBlock:
+    """Scans of one geometry that follow one another in one log.
+
+    ``stamps_ns`` has shape (n,), int64, not decreasing; ``ranges`` has shape
+    (n, n_beams), float32, in metres as recorded (not cleaned).
+    """
+
+    stamps_ns: IntArray
+    ranges: Float32Array
+    geometry: ScanGeometry
+
+
+@dataclass(frozen=True, slots=True)
+class Bump:
+    """State of one bumper sensor from this moment on."""
+
+    stamp_ns: int
+    sensor: str
+    pressed: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Press:
+    """One contact, as the bumper tells it: start <= t < end.
+
+    ``held_from_start`` marks a press that is on in the first message of its topic;
+    ``released`` is False when the log ends before the bumper is free (``end_ns`` is
+    then one nanosecond after the last message of the log).
+    """
+
+    start_ns: int
+    end_ns: int
+    held_from_start: bool = False
+    released: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Everything a log holds up to ``until_ns`` that was not in the batch before.
+
+    Scans and bumps are each in time order; no later batch of the log holds anything
+    stamped at or before ``until_ns``.
+    """
+
+    until_ns: int
+    scans: tuple[ScanBlock, ...]
+    bumps: tuple[Bump, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FeatureBlock:
+    """Embedded histograms of consecutive observations of one log.
+
+    ``features`` is float32 of shape (n, d), each row of Euclidean length 1;
+    ``kept`` (n,) tells which rows of the block of scans they come from;
+    ``nearest_ahead_m`` (n,) float32 is the smallest cleaned range within 90 degrees
+    of straight ahead.
+    """
+
+    stamps_ns: IntArray
+    features: Float32Array
+    kept: IntArray
+    nearest_ahead_m: Float32Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clustering:
+    """Result of affinity propagation over n items (section 3.2 of the paper).
+
+    ``exemplars`` (k,) are item indices, ascending; ``labels`` (n,) index into
+    ``exemplars``. ``preference`` is what stood on the diagonal (its mean if it was a
+    vector). An unfinished run has ``converged`` False and the best state it saw.
+    """
+
+    exemplars: IntArray
+    labels: IntArray
+    n_iter: int
+    converged: bool
+    damping: float
+    net_similarity: float
+    preference: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prediction:
+    """What a model says of n observations.
+
+    ``cluster`` (n,) int64, ``distance`` (n,) float64 to the nearest meta-point,
+    ``novel`` (n,) bool: farther than theta from every cluster-point; ``p_cluster`` and
+    ``p_collision`` (n,) float64 in [0, 1], NaN where the model has no labels.
+    """
+
+    cluster: IntArray
+    distance: Float64Array
+    novel: BoolArray
+    p_cluster: Float64Array
+    p_collision: Float64Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ObservedLog:
+    """What one log gave: the scans (read again at each call of ``blocks``) and the presses.
+
+    ``forward_rad`` is the direction of travel in the frame of the scanner;
+    ``range_max`` replaces the message's where that is unusable (None: take the message's);
+    ``presses`` is None where the log has no bumper; ``bump_source`` says in words where
+    the presses come from.
+    """
+
+    name: str
+    path: str
+    start_ns: int
+    end_ns: int
+    forward_rad: float
+    range_max: float | None
+    presses: tuple[Press, ...] | None
+    bump_source: str
+    blocks: Callable[[], Iterator[ScanBlock]]

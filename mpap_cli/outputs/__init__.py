@@ -1,0 +1,1 @@
+"""Results folder, tables, console, model file, recording and pictures."""
