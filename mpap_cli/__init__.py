@@ -1,1 +1,1 @@
-"""Learn from robot logs, without labels, what the surroundings look like and what means a collision."""
+"""Learn from robot logs, without labels: surroundings, collisions, novelty."""

@@ -1,0 +1,55 @@
+# make demo: install and run the main job on the fixture logs. make test: what CI runs.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+QUICK := -m "not slow"
+
+.PHONY: demo test check layers docs golden fixtures bench soak clean
+
+$(VENV)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
+	$(BIN)/python -m pip install --quiet --editable .
+	touch $@
+
+$(VENV)/.installed-tools: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --group dev
+	touch $@
+
+demo: $(VENV)/.installed
+	BIN=$(BIN) sh docs/demo.sh
+
+lint: $(VENV)/.installed-tools
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/codespell
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
+	$(BIN)/python docs/make_reference.py --check
+
+check: lint
+	$(BIN)/python -m pytest -q -n 2 $(QUICK) --cov --cov-report=term
+
+test: lint
+	$(BIN)/python -m pytest -q -n 2 --cov --cov-report=term --durations=10
+
+layers: $(VENV)/.installed-tools
+	$(BIN)/lint-imports --no-cache
+
+docs: $(VENV)/.installed-tools
+	$(BIN)/python docs/make_reference.py
+
+golden: $(VENV)/.installed-tools
+	$(BIN)/python -m pytest -q tests/commands --rewrite-golden
+
+fixtures: $(VENV)/.installed
+	$(BIN)/python fixtures/make.py
+
+bench: $(VENV)/.installed-tools
+	$(BIN)/python benchmarks/run.py
+
+soak: $(VENV)/.installed-tools
+	HYPOTHESIS_PROFILE=soak $(BIN)/python -m pytest -q -n 2 --durations=10
+
+clean:
+	rm -rf $(VENV) mpap-out .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage

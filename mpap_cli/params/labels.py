@@ -1,0 +1,75 @@
+"""Settings of presses, labels, probabilities and their scores (sections 2.3, 4.1, 5.2)."""
+
+from dataclasses import dataclass
+
+from mpap_cli.params.checks import check_choices, require, setting
+
+READOUTS = ("exemplar", "cluster", "metapoint", "kernel")
+TARGETS = ("contact", "onset", "early")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BumperParams:
+    """How bumper messages become presses (sections 4.1 and 5.3)."""
+
+    bump_merge: float = setting(0.0, "ours", "join presses closer than that many seconds")
+    bump_hold: float = setting(
+        0.25, "ours", "seconds a touch lasts where only touches are sent (pulse)"
+    )
+    bump_max_press: float | None = setting(
+        None, "ours", "longest press in seconds (none: until the release)"
+    )
+    bump_ignore: str = setting(
+        "ground|floor|terrain|plane", "ours", "simulated contacts with such names do not count"
+    )
+
+    def __post_init__(self) -> None:
+        """Check every value before its first use."""
+        require(self.bump_merge >= 0, "bump-merge", self.bump_merge, "0 or more")
+        require(self.bump_hold > 0, "bump-hold", self.bump_hold, "more than 0")
+        longest = self.bump_max_press
+        require(longest is None or longest > 0, "bump-max-press", longest, "more than 0")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PropertyParams:
+    """How labels become probabilities (sections 2.3 and 4.1)."""
+
+    learn_target: str = setting(
+        "onset",
+        "4.1",
+        "labels that are counted: all pressed scans, or onsets",
+        ("contact", "onset"),
+    )
+    readout: str = setting("kernel", "4.2.5", "where a probability is read", READOUTS)
+    kernel_k: int = setting(20, "4.2.5", "kernel: nearest meta-points that are asked")
+    prior_counts: float = setting(2.0, "ours", "kernel: pseudo-counts at the base rate")
+    metapoint_prior: float = setting(4.0, "ours", "metapoint: pseudo-counts at the cluster's rate")
+    onset_s: float = setting(1.0, "ours", "seconds of a press that count as its onset")
+    release_s: float = setting(1.0, "ours", "onset: seconds without label after a release")
+    early_s: float = setting(1.0, "ours", "early: a press begins within that many seconds")
+
+    def __post_init__(self) -> None:
+        """Check every value before its first use."""
+        check_choices(self)
+        require(self.kernel_k >= 1, "kernel-k", self.kernel_k, "1 or more")
+        require(self.prior_counts > 0, "prior-counts", self.prior_counts, "more than 0")
+        require(self.metapoint_prior >= 0, "metapoint-prior", self.metapoint_prior, "0 or more")
+        require(self.onset_s > 0, "onset-s", self.onset_s, "more than 0")
+        require(self.release_s >= 0, "release-s", self.release_s, "0 or more")
+        require(self.early_s > 0, "early-s", self.early_s, "more than 0")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EvaluationParams:
+    """How predictions are scored (section 5.2)."""
+
+    folds: int = setting(5, "ours", "blocked: time blocks of a log, at most one per press")
+    guard_s: float = setting(5.0, "ours", "blocked: seconds left out beside a block")
+    resamples: int = setting(1000, "ours", "bootstrap resamples of an interval")
+
+    def __post_init__(self) -> None:
+        """Check every value before its first use."""
+        require(self.folds >= 2, "folds", self.folds, "2 or more")  # noqa: PLR2004
+        require(self.guard_s >= 0, "guard-s", self.guard_s, "0 or more")
+        require(self.resamples >= 10, "resamples", self.resamples, "10 or more")  # noqa: PLR2004
