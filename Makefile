@@ -40,7 +40,7 @@ docs: $(VENV)/.installed-tools
 	$(BIN)/python docs/make_reference.py
 
 golden: $(VENV)/.installed-tools
-	$(BIN)/python -m pytest -q tests/commands --rewrite-golden
+	MPAP_REWRITE_GOLDEN=1 $(BIN)/python -m pytest -q tests/commands
 
 fixtures: $(VENV)/.installed
 	$(BIN)/python fixtures/make.py

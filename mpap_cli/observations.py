@@ -49,6 +49,22 @@ class ScanBlock:
 
 
 @dataclass(frozen=True, slots=True)
+class Frame:
+    """One camera image as recorded, not decoded.
+
+    ``encoding`` is ``compressed`` (JPEG, PNG or WebP, told by the bytes) or an encoding of
+    sensor_msgs/Image; ``width``, ``height`` and ``step`` (bytes a row) are 0 if compressed.
+    """
+
+    stamp_ns: int
+    encoding: str
+    width: int
+    height: int
+    step: int
+    payload: bytes
+
+
+@dataclass(frozen=True, slots=True)
 class Bump:
     """State of one bumper sensor from this moment on."""
 

@@ -1,0 +1,73 @@
+"""The table of benchmarks: ``make bench``, or ``python benchmarks/run.py NAME...`` for some.
+
+Every figure stands beside a peer or a limit that was measured in turns with it, in the same
+run: only the ratios mean anything. CPU time counts, not the clock. A goal that is not met
+fails nothing. Each name runs in a process of its own.
+"""
+
+import importlib
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import asdict
+from pathlib import Path
+
+from benchmarks.measuring import environment
+from benchmarks.table import COLUMNS, Row, line, shown
+
+# Name of a benchmark: its module; the function in it has the name of the benchmark.
+BENCHMARKS = {
+    "startup": "startup",
+    "kernel": "scan_features",
+    "reading": "scan_features",
+    "insertion": "insertion",
+    "affinity": "affinity",
+    "growth": "growth",
+    "learn": "learning",
+    "evaluate": "learning",
+    "memory": "learning",
+}
+_CHILD = "--in-child"
+
+
+def measure(name: str, folder: Path) -> list[Row]:
+    """Run one benchmark in this process."""
+    module = importlib.import_module(f"benchmarks.{BENCHMARKS[name]}")
+    rows: list[Row] = getattr(module, name)(folder)
+    return rows
+
+
+def measure_in_child(name: str, folder: Path) -> list[Row]:
+    """Run one benchmark in a clean process."""
+    command = [sys.executable, __file__, _CHILD, name, str(folder)]
+    child = subprocess.run(
+        command, env=environment(), stdout=subprocess.PIPE, text=True, check=True
+    )
+    return [
+        Row(**{**cells, "mpap": tuple(cells["mpap"]), "peer": tuple(cells["peer"])})
+        for cells in json.loads(child.stdout.splitlines()[-1])
+    ]
+
+
+def main(words: list[str]) -> None:
+    """Measure what is named, or everything, and print the table line by line."""
+    if words[:1] == [_CHILD]:
+        rows = measure(words[1], Path(words[2]))
+        print(json.dumps([asdict(row) for row in rows]))
+        return
+    unknown = [name for name in words if name not in BENCHMARKS]
+    if unknown:
+        sys.exit(f"no benchmark {unknown[0]}; there are {', '.join(BENCHMARKS)}")
+    print(line(COLUMNS), flush=True)
+    began = time.perf_counter()
+    with tempfile.TemporaryDirectory(prefix="mpap-bench-") as folder:
+        for name in words or BENCHMARKS:
+            for row in measure_in_child(name, Path(folder)):
+                print(shown(row), flush=True)
+    print(f"{time.perf_counter() - began:.0f} s")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,163 @@
+"""From a log of scans to features: the kernel alone, and with reading the log."""
+
+import struct
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zstandard
+from mcap.reader import make_reader
+from mcap.writer import Writer
+from numpy.typing import NDArray
+from rosbags.highlevel import AnyReader
+
+from benchmarks.measuring import in_turns, simulated
+from benchmarks.table import Row
+from mpap_cli.features import _kernels
+from mpap_cli.features.scan_bins import lay_out_bins
+from mpap_cli.features.scan_cleaning import range_limits
+from mpap_cli.features.scan_features import ScanEmbedder
+from mpap_cli.logs.reader import open_log
+from mpap_cli.logs.replay import Replay
+from mpap_cli.logs.survey import survey_log
+from mpap_cli.logs.topics import TopicChoice, choose_roles
+from mpap_cli.observations import Float32Array, ScanGeometry
+from mpap_cli.params import Settings, make_settings
+
+F32 = NDArray[np.float32]
+SCANS, BEAMS, BINS = 20_000, 181, 12
+REPEATS = 7
+_MAGIC_BYTES = 8
+_CHUNK = 0x06
+
+
+def kernel(_folder: Path) -> list[Row]:
+    """Take five features of 20,000 scans, against a copy of the ranges and plain numpy."""
+    rng = np.random.default_rng(0)
+    ranges = rng.uniform(0.0, 9.0, (SCANS, BEAMS)).astype(np.float32)
+    geometry = ScanGeometry(BEAMS, -np.pi / 2, np.pi / 180, 0.02, 8.0)
+    params = make_settings("paper", {"bins": str(BINS)}).scan
+    layout = lay_out_bins(geometry, 0.0, params)
+    limits = range_limits(geometry, params).as_array()
+    statistics = np.arange(_kernels.SLOPE)
+    held = np.full((statistics.size, BINS), np.nan)
+
+    def fused() -> object:
+        return _kernels.bin_block(ranges, limits, layout.runs, layout.n_turn, statistics, held)
+
+    mine, copied, plain = in_turns([fused, ranges.copy, lambda: vectorised(ranges)], REPEATS)
+    work = f"5 features, {SCANS:,} scans of {BEAMS} beams"
+    return [
+        Row(work=work, mpap=_ms(mine), beside=beside, peer=_ms(times), unit="ms", goal=goal)
+        for beside, times, goal in (
+            ("memcpy of the ranges", copied, "<="),
+            ("vectorised numpy", plain, ">="),
+        )
+    ]
+
+
+def reading(folder: Path) -> list[Row]:
+    """Read one hour of scans and take one feature of 12 bins, checksums included."""
+    path = _scans_alone(simulated(folder, "indoor"), folder / "scans.mcap")
+    settings = make_settings("paper", {"bins": str(BINS)})
+    works = [
+        lambda: _by_mpap(path, settings),
+        lambda: _by_rosbags(path),
+        lambda: _unpacked_bytes(path),
+    ]
+    mine, rosbags, limit = in_turns(works, REPEATS)
+    work = "1 h of scans, MCAP zstd -> 12-bin features"
+    return [
+        Row(work=work, mpap=_ms(mine), beside=beside, peer=_ms(times), unit="ms", goal=goal)
+        for beside, times, goal in (
+            ("rosbags deserialize + vectorised numpy", rosbags, ">= 10x"),
+            ("read + decompress + crc32", limit, "<= 1.5x"),
+        )
+    ]
+
+
+def _ms(times: tuple[float, ...]) -> tuple[float, ...]:
+    return tuple(1000 * seconds for seconds in times)
+
+
+def vectorised(ranges: F32, range_min: float = 0.02, range_max: float = 8.0) -> list[F32]:
+    """Clean the ranges of many scans and take the five features of the paper."""
+    cleaned = np.where(
+        np.isfinite(ranges) & (ranges > 0) & (ranges <= range_max), ranges, range_max
+    )
+    cleaned = np.maximum(cleaned, range_min).astype(np.float32)
+    n_beams = ranges.shape[1] // BINS * BINS
+    bins = cleaned[:, :n_beams].reshape(len(ranges), BINS, -1)
+    low, high = bins.min(axis=2), bins.max(axis=2)
+    steps = np.abs(np.diff(bins, axis=2)).mean(axis=2)
+    return [low, high, bins.mean(axis=2), high - low, steps]
+
+
+def _scans_alone(path: Path, to: Path) -> Path:
+    """Copy the scans of a log into one of their own, in chunks packed by zstd."""
+    with path.open("rb") as source, to.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros2")
+        channel_id = None
+        for schema, channel, message in make_reader(source).iter_messages(topics=["/scan"]):
+            if channel_id is None and schema is not None:
+                schema_id = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channel_id = writer.register_channel(
+                    channel.topic, channel.message_encoding, schema_id
+                )
+            writer.add_message(
+                channel_id or 0, message.log_time, message.data, message.publish_time
+            )
+        writer.finish()  # type: ignore[no-untyped-call]  # the library is half typed
+    return to
+
+
+def _by_mpap(path: Path, settings: Settings) -> list[Float32Array]:
+    """Return embedded global differences, as learn takes them."""
+    with open_log(path) as reader:
+        roles = choose_roles(reader, TopicChoice())
+        survey = survey_log(reader, roles, settings.scan.forward)
+        embedder = ScanEmbedder(settings.scan, survey.forward_rad, survey.range_max)
+        return [
+            embedder.transform(block).features
+            for batch in Replay(reader, roles, settings.bumper)
+            for block in batch.scans
+        ]
+
+
+def _by_rosbags(path: Path) -> F32:
+    """Return embedded global differences of all scans at once."""
+    with AnyReader([path]) as reader:
+        scans: list[Any] = [
+            reader.deserialize(raw, connection.msgtype)
+            for connection, _, raw in reader.messages(connections=reader.connections)
+        ]
+    ranges = np.stack([scan.ranges for scan in scans])
+    low, high = scans[0].range_min, scans[0].range_max
+    cleaned = np.where(np.isfinite(ranges) & (ranges > 0) & (ranges <= high), ranges, high)
+    bins = np.maximum(cleaned, low).reshape(len(ranges), BINS, -1)
+    histograms = bins.max(axis=2) - bins.min(axis=2)
+    mass = histograms.sum(axis=1, keepdims=True)
+    shares = np.divide(histograms, mass, out=np.zeros_like(histograms), where=mass > 0)
+    return np.concatenate([np.sqrt(shares), mass <= 0], axis=1, dtype=np.float32)
+
+
+def _unpacked_bytes(path: Path) -> int:
+    """Read a file, decompress its chunks and check their sums: the least there is to do."""
+    content = memoryview(path.read_bytes())
+    unpacker = zstandard.ZstdDecompressor()
+    at, total = _MAGIC_BYTES, 0
+    while at < len(content) - _MAGIC_BYTES:
+        opcode, length = struct.unpack_from("<BQ", content, at)
+        at += 9
+        if opcode == _CHUNK:
+            size, crc, name_length = struct.unpack_from("<QII", content, at + 16)
+            packed = content[at + 40 + name_length : at + length]
+            records = unpacker.decompress(packed, max_output_size=size)
+            if zlib.crc32(records) != crc:
+                msg = f"{path.name}: a checksum is wrong"
+                raise ValueError(msg)
+            total += len(records)
+        at += length
+    return total

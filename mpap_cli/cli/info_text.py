@@ -1,0 +1,143 @@
+"""The page that ``mpap info`` prints for a log or a model."""
+
+from datetime import UTC, datetime
+from typing import Any
+
+from mpap_cli.commands.info import LogInfo, ModelInfo
+from mpap_cli.observations import NS_PER_S
+from mpap_cli.outputs.evaluate_text import count
+from mpap_cli.outputs.text_table import aligned
+
+CONTAINERS = {
+    "bag": "ROS 1 bag",
+    "sqlite3": "sqlite3 file",
+    "mcap": "MCAP",
+    "rosbag2/sqlite3": "rosbag2 folder, sqlite3",
+    "rosbag2/mcap": "rosbag2 folder, MCAP",
+}
+
+
+def log_facts(log: LogInfo) -> dict[str, Any]:
+    """Return what ``--format json`` prints of a log."""
+    return log.facts
+
+
+def model_facts(model: ModelInfo) -> dict[str, Any]:
+    """Return what ``--format json`` prints of a model."""
+    known = model.model
+    return {
+        "path": str(model.path),
+        "profile": known.settings.profile,
+        "feature": known.settings.scan.feature,
+        "bins": known.settings.scan.bins,
+        "clusters": len(known.clusters()),
+        "meta_points": known.meta_points.n_points,
+        "scans": sum(log.n_scans for log in known.logs),
+        "logs": [
+            {"name": log.name, "scans": log.n_scans, "presses": log.n_presses} for log in known.logs
+        ],
+    }
+
+
+def log_text(log: LogInfo) -> str:
+    """Lay out what a log holds."""
+    facts = log.facts
+    lines = [
+        (
+            f"{log.name}: {CONTAINERS[facts['container']]}, {facts['duration_s']:.1f} s from "
+            f"{_date(facts['start_stamp_ns'])}, {count(facts['messages'], 'message')}"
+        ),
+        *aligned(
+            [
+                ("  topic", "type", "messages", "hz", "role"),
+                *(
+                    (
+                        f"  {t['name']}",
+                        t["type"],
+                        f"{t['messages']:,}",
+                        _number(t["hz"]),
+                        t["role"] or "",
+                    )
+                    for t in facts["topics"]
+                ),
+            ],
+            right={2, 3},
+        ),
+        _scan_line(log),
+        _bump_line(log),
+        *([_image_line(log)] if facts["image"] else []),
+        *(f"  damaged: {text}" for text in facts["damage"]),
+        *(f"  note: {text}" for text in facts["warnings"]),
+        f"  {facts['can_learn']}",
+    ]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _scan_line(log: LogInfo) -> str:
+    """Say which scans would be used and why."""
+    scan = log.facts["scan"]
+    if scan is None:
+        return f"  scan: none; {log.reasons['scan']}"
+    shares = sorted(log.shares.items(), key=lambda item: -item[1])
+    codes = ", ".join(f"{name} {share:.0%}" for name, share in shares if share > 0)
+    return (
+        f"  scan: {scan['topic']} ({log.reasons['scan']}): {count(scan['scans'], 'scan')} of "
+        f"{scan['beams']} beams, forward {scan['forward_deg']:g} deg ({log.reasons['forward']}); "
+        f"beams: {codes}"
+    )
+
+
+def _bump_line(log: LogInfo) -> str:
+    """Say which bumper would be used and why."""
+    bump = log.facts["bump"]
+    if bump is None:
+        return f"  bump: none; {log.reasons['bump']}"
+    return (
+        f"  bump: {bump['topic']} ({log.reasons['bump']}): {bump['semantics']}, "
+        f"{count(bump['presses'], 'press')}, {count(bump['scans_pressed'], 'scan')} pressed, "
+        f"{bump['pressed_s']:.1f} s"
+    )
+
+
+def _image_line(log: LogInfo) -> str:
+    """Say which camera would be used and why."""
+    image = log.facts["image"]
+    return (
+        f"  image: {image['topic']} ({log.reasons['image']}): {count(image['images'], 'image')}, "
+        f"{image['width']} x {image['height']}, {image['encoding']}"
+    )
+
+
+def model_text(model: ModelInfo) -> str:
+    """Lay out what a model knows."""
+    facts = model_facts(model)
+    lines = [
+        (
+            f"{model.path}: model of profile {facts['profile']}, {facts['feature']}, "
+            f"{facts['bins']} bins: {count(facts['clusters'], 'cluster')}, "
+            f"{count(facts['meta_points'], 'meta-point')}, {count(facts['scans'], 'scan')}"
+        ),
+        *aligned(
+            [
+                ("  log", "scans", "presses"),
+                *(
+                    (f"  {g['name']}", str(g["scans"]), _number(g["presses"]))
+                    for g in facts["logs"]
+                ),
+            ],
+            right={1, 2},
+        ),
+    ]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:g}"
+
+
+def _date(stamp_ns: int) -> str:
+    """Return a stamp as a date, or as seconds where it is none (simulated time)."""
+    try:
+        return f"{datetime.fromtimestamp(stamp_ns / NS_PER_S, UTC):%Y-%m-%d %H:%M:%S} UTC"
+    except (OverflowError, OSError, ValueError):
+        return f"{stamp_ns / NS_PER_S:g} s"

@@ -1,0 +1,92 @@
+"""The ``mpap`` command: finds the subcommand, prints errors, sets the exit code."""
+
+import importlib
+import sys
+from collections.abc import Sequence
+
+import click
+
+from mpap_cli.errors import MpapError
+
+INTERRUPTED = 130
+COMMANDS = {
+    "info": "What a log holds and what could be learnt from it.",
+    "learn": "Learn clusters and collision probabilities from logs.",
+    "evaluate": "Score collision prediction: ROC, AUC, lead times.",
+    "predict": "Predict collisions for every scan of new logs.",
+    "merge": "Make one model of several.",
+    "simulate": "Write the log of a simulated robot, and the truth.",
+    "config": "List every setting with its value and origin.",
+    "completion": "Print the completion script of a shell.",
+}
+
+
+class LazyGroup(click.Group):
+    """Imports a subcommand when it runs, so that ``mpap --help`` costs little."""
+
+    def list_commands(self, _context: click.Context) -> list[str]:
+        """Return the names in the order in which one would use them."""
+        return list(COMMANDS)
+
+    def get_command(self, _context: click.Context, name: str) -> click.Command | None:
+        """Import the module of a command, which holds it under its own name."""
+        if name not in COMMANDS:
+            return None
+        module = importlib.import_module(f"mpap_cli.cli.{name}")
+        command: click.Command = getattr(module, name)
+        return command
+
+    def format_commands(self, _context: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+def _print_version(context: click.Context, _option: click.Parameter, wanted: bool) -> None:
+    if not wanted or context.resilient_parsing:
+        return
+    from importlib.metadata import version
+
+    click.echo(f"mpap {version('mpap')}")
+    context.exit()
+
+
+@click.group(
+    cls=LazyGroup,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="""\b
+Example:
+  mpap info day1.bag
+  mpap learn day1.bag day2.bag
+  mpap evaluate
+""",
+)
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_version,
+    help="Show the version and exit.",
+)
+def mpap() -> None:
+    """Learn from recorded robot logs what the surroundings look like and what means a collision.
+
+    Reads ROS bags and MCAP files with no ROS installed. The way through: info, learn, evaluate.
+    """
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and leave with its exit code."""
+    try:
+        code = mpap.main(arguments, prog_name="mpap", standalone_mode=False)
+    except MpapError as error:
+        click.echo(f"mpap: {error}", err=True)
+        sys.exit(error.exit_code)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except (KeyboardInterrupt, click.Abort):
+        click.echo("mpap: interrupted; earlier results are as they were", err=True)
+        sys.exit(INTERRUPTED)
+    sys.exit(code if isinstance(code, int) else 0)

@@ -1,0 +1,1 @@
+"""Tables of meta-points and the compiled Algorithm 1 on them."""

@@ -1,0 +1,249 @@
+"""Algorithm 1 compiled: a block of points is added exactly as one point after the other.
+
+Decisions are made in float64 on sums of fixed order, so that results do not depend on the
+processor; float32 only rules out rows that cannot be the nearest.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from mpap_cli.clustering.meta_point_rows.tables import (
+    CLUSTER_POINT,
+    DROPPED,
+    N_DROPPED,
+    N_ROWS,
+    NEXT_ID,
+    NOISE_POINT,
+    OLDEST_NS,
+    UNSEEN_NS,
+    Index,
+    Rows,
+    Rules,
+)
+from mpap_cli.observations import Float32Array, Float64Array, FloatArray, Int8Array, IntArray
+
+_compiled = njit(nogil=True, cache=True, error_model="numpy")
+
+
+@_compiled
+def _squared_distance(u: FloatArray, rows: FloatArray, row: int, bound: float) -> float:
+    """Sum of squared differences in four strands; inf as soon as it is above bound."""
+    n = len(u)
+    whole = n - n % 4
+    sum0 = sum1 = sum2 = sum3 = 0.0
+    for j in range(0, whole, 4):
+        step0 = np.float64(u[j]) - rows[row, j]
+        step1 = np.float64(u[j + 1]) - rows[row, j + 1]
+        step2 = np.float64(u[j + 2]) - rows[row, j + 2]
+        step3 = np.float64(u[j + 3]) - rows[row, j + 3]
+        sum0 += step0 * step0
+        sum1 += step1 * step1
+        sum2 += step2 * step2
+        sum3 += step3 * step3
+        if (j + 4) % 16 == 0 and (sum0 + sum1) + (sum2 + sum3) > bound:
+            return math.inf
+    for j in range(whole, n):
+        step0 = np.float64(u[j]) - rows[row, j]
+        sum0 += step0 * step0
+    return (sum0 + sum1) + (sum2 + sum3)
+
+
+@_compiled
+def _reach(squared: float, slack: float) -> float:
+    """Largest float32 lower bound that a squared distance can have."""
+    room = math.sqrt(squared) * (1.0 + 1e-5) + slack
+    return room * room + 1e-37
+
+
+@_compiled
+def _lower_bounds(near: Float32Array, axes: IntArray, point: FloatArray, out: Float32Array) -> int:
+    """Sum the squared differences along the axes; return the place of the least sum."""
+    n = len(out)
+    out[:] = 0.0
+    for q in range(0, len(axes), 4):
+        x0, x1 = np.float32(point[axes[q]]), np.float32(point[axes[q + 1]])
+        x2, x3 = np.float32(point[axes[q + 2]]), np.float32(point[axes[q + 3]])
+        line0, line1, line2, line3 = near[q], near[q + 1], near[q + 2], near[q + 3]
+        for slot in range(n):
+            step0, step1 = line0[slot] - x0, line1[slot] - x1
+            step2, step3 = line2[slot] - x2, line3[slot] - x3
+            out[slot] += (step0 * step0 + step1 * step1) + (step2 * step2 + step3 * step3)
+    # floats of 0 and above are ordered like their bits, whose minimum is found faster
+    bits = out.view(np.int32)
+    least = bits[0]
+    for slot in range(n):
+        least = min(least, bits[slot])
+    slot = 0
+    while bits[slot] != least:
+        slot += 1
+    return slot
+
+
+@_compiled
+def nearest_meta_point(
+    rows: Rows, index: Index, kind: int, point: FloatArray, rules: Rules, lower: Float32Array
+) -> int:
+    """NEAREST-NEIGHBOR of Algorithm 1: the row within theta, the oldest of equals, or -1.
+
+    A float32 sum over a part of the coordinates is a lower bound of the distance. A row
+    whose bound, with room for rounding, is above the best distance so far cannot win.
+    """
+    n = rows.totals[kind]
+    if n == 0:
+        return -1
+    promising = _lower_bounds(index.near[kind], index.axes, point, lower[:n])
+    best, best_row = rules.bound, -1
+    limit = _reach(best, rules.slack)
+    for turn in range(-1, n):
+        slot = promising if turn < 0 else turn
+        if lower[slot] <= limit:
+            row = index.members[kind, slot]
+            squared = _squared_distance(point, rows.references, row, best)
+            if squared < best or (squared == best and row < best_row):
+                best, best_row = squared, row
+                limit = _reach(best, rules.slack)
+    return best_row
+
+
+@_compiled
+def enlist(rows: Rows, index: Index, kind: int, row: int) -> None:
+    """Put a row at the end of the cluster-points or of the noise-points."""
+    slot = rows.totals[kind]
+    rows.totals[kind] += 1
+    rows.kind[row], index.slot[row] = kind, slot
+    index.members[kind, slot] = row
+    locate(rows, index, row)
+
+
+@_compiled
+def _strike(rows: Rows, index: Index, row: int) -> None:
+    """Take a row off its list; the last of the list takes its slot."""
+    kind, slot = rows.kind[row], index.slot[row]
+    rows.totals[kind] -= 1
+    last = rows.totals[kind]
+    index.slot[index.members[kind, last]] = slot
+    index.members[kind, slot] = index.members[kind, last]
+    index.near[kind, :, slot] = index.near[kind, :, last]
+    rows.kind[row] = DROPPED
+
+
+@_compiled
+def locate(rows: Rows, index: Index, row: int) -> None:
+    """Renew the coordinates by which a row is searched."""
+    kind, slot = rows.kind[row], index.slot[row]
+    for q in range(len(index.axes)):
+        index.near[kind, q, slot] = rows.references[row, index.axes[q]]
+
+
+@_compiled
+def _refer(rows: Rows, row: int, point: FloatArray, rules: Rules, mean: Float64Array) -> bool:
+    """Renew what distances go to, the mean or the exemplar; tell if the exemplar is new."""
+    mean[0] = 0.0
+    divisor = math.sqrt(_squared_distance(mean[0], rows.sums, row, math.inf))
+    if not rules.normalised or divisor == 0.0:
+        divisor = np.float64(rows.point_count[row])
+    for j in range(mean.shape[1]):
+        mean[0, j] = rows.sums[row, j] / divisor
+    replaced: bool = rows.point_count[row] == 1
+    if rules.closest and not replaced:
+        kept = _squared_distance(rows.exemplars[row], mean, 0, math.inf)
+        replaced = _squared_distance(point, mean, 0, math.inf) < kept
+    if replaced:
+        rows.exemplars[row] = point
+    for j in range(mean.shape[1]):
+        rows.references[row, j] = mean[0, j] if rules.by_mean else rows.exemplars[row, j]
+    return replaced
+
+
+@_compiled
+def create_row(rows: Rows, stamp_ns: int) -> int:
+    """Return a new row, which is on no list and stands for no point yet."""
+    row: int = rows.totals[N_ROWS]
+    rows.totals[N_ROWS] += 1
+    rows.ids[row] = rows.totals[NEXT_ID]
+    rows.totals[NEXT_ID] += 1
+    rows.first_ns[row] = stamp_ns
+    return row
+
+
+@_compiled
+def _update_meta_point(
+    rows: Rows, row: int, point: FloatArray, seen: tuple[int, int], rules: Rules, mean: Float64Array
+) -> None:
+    """UPDATE-META-POINT of Algorithm 1 with a point seen at (stamp, log)."""
+    rows.point_count[row] += 1
+    rows.last_ns[row] = seen[0]
+    for j in range(len(point)):
+        rows.sums[row, j] += point[j]
+    if _refer(rows, row, point, rules, mean):
+        rows.exemplar_stamp_ns[row], rows.exemplar_log[row] = seen
+
+
+@_compiled
+def _drop_expired(rows: Rows, index: Index, stamp_ns: int, ttl_ns: int) -> None:
+    """Drop the noise-points last seen before their time to live; note the oldest left."""
+    oldest = UNSEEN_NS
+    for slot in range(rows.totals[NOISE_POINT] - 1, -1, -1):
+        row = index.members[NOISE_POINT, slot]
+        if stamp_ns - rows.last_ns[row] > ttl_ns:
+            _strike(rows, index, row)
+            rows.totals[N_DROPPED] += 1
+        else:
+            oldest = min(oldest, rows.last_ns[row])
+    rows.totals[OLDEST_NS] = oldest
+
+
+@_compiled
+def drop_oldest(rows: Rows, index: Index) -> None:
+    """Drop a noise-point: one that stands for one point if possible, the longest unseen."""
+    oldest = index.members[NOISE_POINT, 0]
+    for slot in range(1, rows.totals[NOISE_POINT]):
+        row = index.members[NOISE_POINT, slot]
+        key = (rows.point_count[row] > 1, rows.last_ns[row], row)
+        if key < (rows.point_count[oldest] > 1, rows.last_ns[oldest], oldest):
+            oldest = row
+    _strike(rows, index, oldest)
+    rows.totals[N_DROPPED] += 1
+
+
+@_compiled
+def add_block(  # plain arrays
+    rows: Rows,
+    index: Index,
+    rules: Rules,
+    points: Float32Array,
+    stamps_ns: IntArray,
+    log_index: int,
+    ids: IntArray,
+    cases: Int8Array,
+) -> None:
+    """ADD-DATA-POINT of Algorithm 1 for each point in turn."""
+    lower = np.empty(len(index.slot), np.float32)
+    mean = np.empty((1, points.shape[1]))
+    for i in range(len(points)):
+        point, now, case = points[i], stamps_ns[i], 1
+        if rules.ttl_ns >= 0 and now - rows.totals[OLDEST_NS] > rules.ttl_ns:
+            _drop_expired(rows, index, now, rules.ttl_ns)
+        row = nearest_meta_point(rows, index, CLUSTER_POINT, point, rules, lower)
+        if row < 0:  # lines 4-5
+            case = 2
+            row = nearest_meta_point(rows, index, NOISE_POINT, point, rules, lower)
+        created = row < 0
+        if created:  # lines 11-12
+            case = 3
+            row = create_row(rows, now)
+        _update_meta_point(rows, row, point, (now, log_index), rules, mean)
+        if created:  # line 13
+            enlist(rows, index, NOISE_POINT, row)
+        else:
+            locate(rows, index, row)
+        if case > 1:
+            rows.totals[OLDEST_NS] = min(rows.totals[OLDEST_NS], now)
+        if case > 1 and rows.point_count[row] >= rules.min_points:  # lines 8-10
+            _strike(rows, index, row)
+            enlist(rows, index, CLUSTER_POINT, row)
+        ids[i], cases[i] = rows.ids[row], case
+        while rows.totals[NOISE_POINT] > rules.max_noise:
+            drop_oldest(rows, index)

@@ -1,0 +1,106 @@
+"""The exemplar of every cluster as it was seen: its scan, and the image of that moment."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from mpap_cli.commands.selection import LogSelection
+from mpap_cli.errors import LogError
+from mpap_cli.features.image_decode import Image, decode_frame
+from mpap_cli.logs.frames import read_frame
+from mpap_cli.logs.reader import LogReader, expand_paths, open_log
+from mpap_cli.logs.topics import choose_roles
+from mpap_cli.observations import NS_PER_S, ObservedLog, ScanBlock
+from mpap_cli.outputs.scan_pictures import ExemplarPicture, write_exemplars
+from mpap_cli.systems.cluster_rows import ClusterRow
+
+SAME_MOMENT_NS = NS_PER_S // 5
+
+
+def draw_exemplars(
+    path: Path,
+    clusters: Sequence[ClusterRow],
+    observed: Sequence[ObservedLog],
+    selection: LogSelection,
+) -> None:
+    """Draw exemplars.png (Fig. 11).
+
+    Parameters
+    ----------
+    path : Path
+        PNG to write.
+    clusters : sequence of ClusterRow
+        Those whose exemplars lie in logs of an older run are left out.
+    observed : sequence of ObservedLog
+        The logs that have just been read.
+    selection : LogSelection
+        The same logs, for the images.
+    """
+    rows = {(row.exemplar_log, row.exemplar_stamp_ns): row for row in clusters}
+    images = _images(selection, {key[1] for key in rows}) if rows else {}
+    pictures = [
+        _picture(row, log, block, index, images)
+        for log in observed
+        for block in log.blocks()
+        for index, row in _exemplars_in(log, block, rows)
+    ]
+    write_exemplars(path, pictures)
+
+
+def _exemplars_in(
+    log: ObservedLog, block: ScanBlock, rows: dict[tuple[str, int], ClusterRow]
+) -> list[tuple[int, ClusterRow]]:
+    """Return the exemplars of a block with their place in it."""
+    wanted = np.array([stamp_ns for name, stamp_ns in rows if name == log.name], dtype=np.int64)
+    places = np.flatnonzero(np.isin(block.stamps_ns, wanted))
+    return [(int(place), rows[log.name, int(block.stamps_ns[place])]) for place in places]
+
+
+def _picture(
+    row: ClusterRow, log: ObservedLog, block: ScanBlock, index: int, images: dict[int, Image]
+) -> ExemplarPicture:
+    """Put together what is drawn of one cluster."""
+    return ExemplarPicture(
+        cluster=row.cluster,
+        p_collision=row.p_collision,
+        p_low=row.p_low,
+        p_high=row.p_high,
+        observations=row.observations,
+        first_seen_s=row.first_seen_s,
+        log=row.exemplar_log,
+        time_s=row.exemplar_time_s,
+        ranges=block.ranges[index].copy(),
+        geometry=block.geometry,
+        forward_rad=log.forward_rad,
+        range_max=log.range_max,
+        image=images.get(row.exemplar_stamp_ns),
+    )
+
+
+def _images(selection: LogSelection, stamps_ns: set[int]) -> dict[int, Image]:
+    """Return the image nearest to each stamp, within a fifth of a second."""
+    images: dict[int, Image] = {}
+    for path in expand_paths(selection.logs):
+        try:
+            reader = open_log(path, msgs=selection.msgs)
+        except LogError:
+            continue  # told when its scans were read
+        with reader:
+            topic = choose_roles(reader, selection.topic_choice).image
+            if topic is not None:
+                for stamp_ns in sorted(stamps_ns):
+                    image = _image_at(reader, topic.name, stamp_ns)
+                    if image is not None:
+                        images[stamp_ns] = image
+    return images
+
+
+def _image_at(reader: LogReader, topic: str, stamp_ns: int) -> Image | None:
+    """Return the image nearest to a stamp, if one is near and can be decoded."""
+    window = (stamp_ns - SAME_MOMENT_NS, stamp_ns + SAME_MOMENT_NS)
+    messages = list(reader.messages([topic], *window))
+    if not messages:
+        return None
+    nearest = min(messages, key=lambda message: abs(message.stamp_ns - stamp_ns))
+    return decode_frame(read_frame(reader, nearest))

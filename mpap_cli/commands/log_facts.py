@@ -1,0 +1,98 @@
+"""What ``info`` says of each sensor of a log, and of what could be learnt from it."""
+
+from typing import Any
+
+import numpy as np
+
+from mpap_cli.features.image_decode import decode_frame
+from mpap_cli.logs.frames import read_frame
+from mpap_cli.logs.reader import LogReader
+from mpap_cli.logs.survey import Survey
+from mpap_cli.logs.topics import Roles
+from mpap_cli.observations import NS_PER_S, BoolArray, Press
+from mpap_cli.outputs.evaluate_text import count
+
+RETURNS = "valid"
+
+
+def role(roles: Roles, name: str) -> str | None:
+    """Return which role a topic plays."""
+    if any(role.topic.name == name for role in roles.bumps):
+        return "bump"
+    for role, topic in (("scan", roles.scan), ("image", roles.image)):
+        if topic is not None and topic.name == name:
+            return role
+    return None
+
+
+def rate(n_messages: int, duration_ns: int) -> float | None:
+    """Return messages per second between the first and the last of the log."""
+    return round(n_messages * NS_PER_S / duration_ns, 2) if duration_ns > 0 else None
+
+
+def bump_facts(roles: Roles, presses: tuple[Press, ...], pressed: BoolArray) -> dict[str, Any]:
+    """Describe the bumper."""
+    return {
+        "topic": ", ".join(role.topic.name for role in roles.bumps),
+        "type": roles.bumps[0].topic.msgtype,
+        "semantics": roles.bumps[0].rule.kind,
+        "presses": len(presses),
+        "scans_pressed": int(pressed.sum()),
+        "pressed_s": sum(press.end_ns - press.start_ns for press in presses) / NS_PER_S,
+    }
+
+
+def scan_facts(roles: Roles, survey: Survey, n_scans: int) -> dict[str, Any] | None:
+    """Describe the laser scans."""
+    if roles.scan is None or survey.geometry is None:
+        return None
+    return {
+        "topic": roles.scan.name,
+        "scans": n_scans,
+        "beams": survey.geometry.n_beams,
+        "no_return_share": round(1 - survey.no_return_shares[RETURNS], 4),
+        "forward_deg": round(float(np.degrees(survey.forward_rad)), 3),
+    }
+
+
+def image_facts(reader: LogReader, roles: Roles) -> dict[str, Any] | None:
+    """Describe the camera by its first image."""
+    if roles.image is None:
+        return None
+    message = next(iter(reader.messages([roles.image.name])))
+    frame = read_frame(reader, message)
+    image = decode_frame(frame)
+    height, width = (frame.height, frame.width) if image is None else image.shape[:2]
+    return {
+        "topic": roles.image.name,
+        "images": roles.image.n_messages,
+        "width": int(width),
+        "height": int(height),
+        "encoding": frame.encoding,
+    }
+
+
+def can_learn(roles: Roles, presses: tuple[Press, ...] | None, pressed: BoolArray) -> str:
+    """Say in words what could be learnt from the log."""
+    if roles.scan is None:
+        several = f"choose one of {', '.join(roles.scan_candidates)}"
+        laser = f"laser model: {several if roles.scan_candidates else 'no scans'}"
+    elif presses is None:
+        laser = "laser model: clusters only (no bumper; --bump-topic or --bump-from give labels)"
+    elif not presses:
+        laser = "laser model: clusters only (no positive: the bumper is never pressed)"
+    elif pressed.all():
+        laser = f"laser model: yes, {count(len(presses), 'press')}, but no scan without collision"
+    else:
+        laser = f"laser model: yes, {count(len(presses), 'press')}"
+    parts = [laser, f"held-out AUC: {_held_out(presses, pressed)}"]
+    if roles.image is not None:
+        parts.append("camera: yes" if presses else "camera: no presses, novelty only")
+    return "; ".join(parts)
+
+
+def _held_out(presses: tuple[Press, ...] | None, pressed: BoolArray) -> str:
+    """Say whether a press can be scored by a model that never saw it."""
+    if pressed.any() and not pressed.all() and presses is not None:
+        return "possible" if len(presses) > 1 else "with other logs (one press only)"
+    return "not from this log alone"

@@ -1,0 +1,53 @@
+"""``merge``: one model of several that were learnt with the same settings."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from mpap_cli.commands.hints import tell_of_model
+from mpap_cli.commands.learn import CLUSTERS, MODEL, Learnt, learnt_of
+from mpap_cli.commands.models import load_model, save_model
+from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
+from mpap_cli.outputs.model_file import find_model
+from mpap_cli.outputs.results_folder import ResultsFolder
+from mpap_cli.outputs.results_reader import describe_input
+from mpap_cli.outputs.tables import write_csv
+from mpap_cli.params import settings_values
+from mpap_cli.systems.cluster_rows import ClusterRow
+from mpap_cli.systems.merging import merge_models
+
+
+def merge(models: Sequence[Path], out: Path) -> Learnt:
+    """Merge models; their order does not matter.
+
+    Parameters
+    ----------
+    models : sequence of Path
+        Model files or results folders.
+    out : Path
+        Results folder.
+
+    Returns
+    -------
+    Learnt
+        Clusters and counts of the merged model.
+
+    Raises
+    ------
+    ModelError
+        If one cannot be used, or their settings differ.
+    OutputError
+        If the results folder cannot be written.
+    """
+    keep_kernels_writable()
+    with one_thread_each(), ResultsFolder(out, "merge") as results:
+        merged = merge_models([load_model(path) for path in models])
+        tell_of_model(merged)
+        clusters = merged.clusters()
+        write_csv(results.path(CLUSTERS), ClusterRow, clusters)
+        save_model(results.path(MODEL), merged)
+        inputs = sorted(
+            (describe_input(find_model(path)) for path in models), key=lambda one: one.sha256
+        )
+        settings = {**settings_values(merged.settings), "profile": merged.settings.profile}
+        results.commit(settings, inputs, merged.settings.affinity.seed)
+    return learnt_of(merged, clusters, results.folder, exit_code=0)

@@ -1,0 +1,120 @@
+"""The logs that are scored: those given, or the recording of what was learnt last."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mpap_cli.commands.progress import Progress
+from mpap_cli.commands.recorder import Recorder
+from mpap_cli.commands.selection import LogSelection
+from mpap_cli.commands.sources import Losses, Source, open_sources
+from mpap_cli.errors import UsageError
+from mpap_cli.observations import ObservedLog, Press
+from mpap_cli.outputs.recording import read_recording
+from mpap_cli.outputs.results_folder import ResultsFolder
+from mpap_cli.outputs.results_reader import InputFile, describe_input, has_results, read_results
+from mpap_cli.params import Settings, make_settings, setting_fields
+from mpap_cli.properties.presses import PressTracker
+
+RECORDING = "recording.npz"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ObservedInput:
+    """Logs with their presses, and where they come from.
+
+    ``learnt`` are the settings that ``learn`` wrote, None where logs were given;
+    ``values`` are what settings.json says of the input.
+    """
+
+    logs: tuple[ObservedLog, ...]
+    inputs: tuple[InputFile, ...]
+    learnt: Settings | None
+    values: dict[str, Any]
+    exit_code: int = 0
+
+
+def learnt_last(out: Path) -> ObservedInput:
+    """Return the logs and settings of the last ``learn`` in a results folder.
+
+    Raises
+    ------
+    UsageError
+        If nothing was learnt there, or no recording was kept.
+    OutputError
+        If the results are mixed or damaged.
+    """
+    folder = out / "learn"
+    if not has_results(folder):
+        msg = f"{folder}: nothing learnt yet; run mpap learn LOG... first, or name the logs"
+        raise UsageError(msg)
+    results = read_results(folder)
+    if RECORDING not in results.outputs:
+        msg = f"{folder}: learnt with --no-recording; name the logs to score"
+        raise UsageError(msg)
+    keys = setting_fields()
+    values = {key: value for key, value in results.settings.items() if key in keys}
+    return ObservedInput(
+        logs=tuple(read_recording(results.path(RECORDING))),
+        inputs=results.inputs,
+        learnt=make_settings(str(results.settings["profile"]), values),
+        values={
+            key: value
+            for key, value in results.settings.items()
+            if key not in keys and key != "profile"  # what is scored may be of another
+        },
+    )
+
+
+def observe_logs(
+    selection: LogSelection,
+    settings: Settings,
+    results: ResultsFolder,
+    jobs: int,
+    progress: Progress,
+) -> ObservedInput:
+    """Read logs into a recording of their own, which is dropped with :func:`drop_recording`.
+
+    Raises
+    ------
+    LogError
+        If no log can be read.
+    UsageError
+        If a log has no scan topic.
+    """
+    losses, inputs = Losses(), list[InputFile]()
+    recording = results.path(RECORDING)
+    with Recorder(recording) as recorder:
+        for source in open_sources(selection, settings, losses):
+            recorder.end_log(source, _presses(source, settings, recorder, jobs, progress))
+            inputs.append(describe_input(source.path))
+        recorder.require_scans()
+    return ObservedInput(
+        logs=tuple(read_recording(recording)),
+        inputs=tuple(inputs),
+        learnt=None,
+        values={},
+        exit_code=losses.exit_code,
+    )
+
+
+def drop_recording(results: ResultsFolder) -> None:
+    """Remove the recording that :func:`observe_logs` made; it is no result."""
+    results.path(RECORDING).unlink(missing_ok=True)
+
+
+def _presses(
+    source: Source, settings: Settings, recorder: Recorder, jobs: int, progress: Progress
+) -> tuple[Press, ...] | None:
+    """Replay a log for its scans and presses."""
+    tracker = None
+    if source.start.bump_kind is not None:
+        tracker = PressTracker(source.start.bump_kind, settings.bumper, source.start.hold_s)
+    for batch in recorder.batches(source, jobs, progress, "read"):
+        if tracker is not None:
+            tracker.add(batch.bumps)
+            tracker.settle(batch.until_ns)
+    if tracker is None:
+        return source.start.presses
+    tracker.end(source.replay.end_ns)
+    return tracker.presses

@@ -1,0 +1,88 @@
+"""Logs on their way through a command: replayed, written into a recording, reported."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from mpap_cli.commands.progress import Progress
+from mpap_cli.commands.sources import Source
+from mpap_cli.errors import UsageError
+from mpap_cli.observations import NS_PER_S, Batch, Press
+from mpap_cli.outputs.recording import RecordedLog, RecordingWriter
+
+
+class Recorder:
+    """Context manager that writes every batch it hands on into a recording.
+
+    Attributes
+    ----------
+    headings_assumed : list of int
+        Indices of logs whose forward direction is an assumption.
+    n_scans : int
+        Scans so far, over all logs.
+    scan_span : tuple of int or None
+        First and last stamp of the scans of the log that is replayed; None without scans.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._writer = RecordingWriter(path)
+        self.n_scans = 0
+        self.headings_assumed: list[int] = []
+        self.scan_span: tuple[int, int] | None = None
+
+    def __enter__(self) -> Self:
+        self._writer.__enter__()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._writer.__exit__(kind, error, trace)
+
+    def batches(self, source: Source, jobs: int, progress: Progress, verb: str) -> Iterator[Batch]:
+        """Replay a log, keep its scans, and tell how far it is."""
+        start_ns, before = source.replay.start_ns, self.n_scans
+        self.scan_span = None
+        duration_s = (source.replay.end_ns - start_ns) / NS_PER_S
+        with progress(f"{verb} {source.name}", duration_s) as report:
+            for batch in source.batches(jobs):
+                for block in batch.scans:
+                    self._writer.add_block(block)
+                    self.n_scans += len(block.stamps_ns)
+                    first_ns = self.scan_span[0] if self.scan_span else int(block.stamps_ns[0])
+                    self.scan_span = first_ns, int(block.stamps_ns[-1])
+                yield batch
+                report((batch.until_ns - start_ns) / NS_PER_S, self.n_scans - before)
+
+    def require_scans(self) -> None:
+        """Refuse to go on where no scan was read at all.
+
+        Raises
+        ------
+        UsageError
+            If there was none.
+        """
+        if self.n_scans == 0:
+            msg = "no scan was read; --start and --end leave nothing of the logs"
+            raise UsageError(msg)
+
+    def end_log(self, source: Source, presses: tuple[Press, ...] | None) -> None:
+        """Write what is known of the log that has been replayed."""
+        if source.survey.forward_source == "assumed":
+            self.headings_assumed.append(source.index)
+        self._writer.end_log(
+            RecordedLog(
+                name=source.name,
+                path=str(source.path.absolute()),
+                start_ns=source.start.start_ns,
+                end_ns=source.replay.end_ns,
+                forward_rad=source.start.forward_rad,
+                range_max=source.start.range_max,
+                presses=presses,
+                bump_source=source.start.bump_source,
+            )
+        )

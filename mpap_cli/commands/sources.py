@@ -1,0 +1,204 @@
+"""Logs as the user names them: opened, their topics chosen, surveyed, ready to replay."""
+
+import logging
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from mpap_cli.commands.selection import LogSelection
+from mpap_cli.errors import LogError, UsageError
+from mpap_cli.logs.reader import Damage, LogReader, expand_paths, open_log
+from mpap_cli.logs.replay import Replay
+from mpap_cli.logs.survey import Survey, survey_log
+from mpap_cli.logs.topics import Roles, choose_roles, require_scan
+from mpap_cli.observations import Batch
+from mpap_cli.outputs.evaluate_text import count
+from mpap_cli.params import Settings
+from mpap_cli.properties.press_files import (
+    PressRow,
+    names_without_log,
+    presses_from_csv,
+    presses_of_log,
+)
+from mpap_cli.properties.presses import with_virtual_bumps
+from mpap_cli.systems.labelling import LogStart
+from mpap_cli.systems.stream import prefetch
+
+LOGGER = logging.getLogger(__name__)
+DAMAGED = 3
+
+
+@dataclass(slots=True)
+class Losses:
+    """What could not be read: whole logs that were left out, and damage inside the others."""
+
+    left_out: list[str] = field(default_factory=list)
+    damage: list[Damage] = field(default_factory=list)
+
+    @property
+    def exit_code(self) -> int:
+        """0, or 3 if part of the input was left out."""
+        return DAMAGED if self.left_out or self.damage else 0
+
+    def note(self, source: "Source") -> None:
+        """Keep and tell what was found damaged or skipped in a log that has been read."""
+        for item in source.reader.damage:
+            LOGGER.warning("%s", item.text)
+        self.damage.extend(source.reader.damage)
+        skipped = source.replay.skipped + source.skipped
+        for reason, n_skipped in skipped.items():
+            LOGGER.warning("%s: %s skipped: %s", source.name, count(n_skipped, "scan"), reason)
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """One opened log with its topics chosen and its geometry known.
+
+    ``bump_distance_m`` is set where presses come from near scans; ``skipped`` counts
+    scans that were read but gave no feature, by reason.
+    """
+
+    name: str
+    path: Path
+    index: int
+    reader: LogReader
+    roles: Roles
+    survey: Survey
+    replay: Replay
+    start: LogStart
+    bump_distance_m: float | None
+    skipped: Counter[str] = field(default_factory=Counter)
+
+    def batches(self, jobs: int) -> Iterator[Batch]:
+        """Replay the log; with --bump-from scan the bumps come from near scans."""
+        for batch in prefetch(self.replay, jobs):
+            if self.bump_distance_m is None:
+                yield batch
+            else:
+                yield with_virtual_bumps(batch, self.bump_distance_m, self.survey.range_max)
+
+
+def open_sources(selection: LogSelection, settings: Settings, losses: Losses) -> Iterator[Source]:
+    """Open one log after the other, in the order given; each is closed at the next.
+
+    Parameters
+    ----------
+    selection : LogSelection
+        Which logs and topics.
+    settings : Settings
+        Forward direction and bumper settings.
+    losses : Losses
+        Filled with what could not be read.
+
+    Yields
+    ------
+    Source
+        A log ready to replay; ``index`` counts those that could be read.
+
+    Raises
+    ------
+    LogError
+        If no log is left, or with ``strict`` if one cannot be read.
+    UsageError
+        If a log has no scan topic, or several.
+    """
+    paths = expand_paths(selection.logs)
+    by_hand = _presses_by_hand(selection, paths)
+    index, latest_start_ns = 0, None
+    for path in paths:
+        try:
+            reader = open_readable(path, selection)
+        except LogError as error:
+            if selection.strict or len(paths) == 1:
+                raise
+            LOGGER.warning("%s; left out", error)
+            losses.left_out.append(path.name)
+            continue
+        with reader:
+            source = _source(reader, index, selection, settings, by_hand)
+            if latest_start_ns is not None and reader.start_ns < latest_start_ns:
+                LOGGER.warning("%s: starts before the log given before it", path.name)
+            latest_start_ns = reader.start_ns
+            yield source
+            losses.note(source)
+        index += 1
+    if index == 0:
+        msg = f"none of the {len(paths)} logs can be read: {', '.join(losses.left_out)}"
+        raise LogError(msg)
+
+
+def open_readable(path: Path, selection: LogSelection) -> LogReader:
+    """Open a log that holds at least one message.
+
+    Raises
+    ------
+    LogError
+        If it cannot be read or holds no message.
+    """
+    reader = open_log(path, msgs=selection.msgs, strict=selection.strict)
+    if reader.n_messages == 0:
+        with reader:
+            for text in reader.warnings:
+                LOGGER.warning("%s", text)
+            msg = f"{path.name}: no messages; check that the recording was stopped properly"
+            raise LogError(msg)
+    return reader
+
+
+def _source(
+    reader: LogReader,
+    index: int,
+    selection: LogSelection,
+    settings: Settings,
+    by_hand: dict[str, tuple[PressRow, ...]] | None,
+) -> Source:
+    """Choose topics, survey, and say where presses come from."""
+    name = reader.path.name
+    roles = choose_roles(reader, selection.topic_choice)
+    require_scan(roles, name)
+    survey = survey_log(reader, roles, settings.scan.forward)
+    replay = Replay(reader, roles, settings.bumper, selection.replay_options)
+    kind, hold_s, presses, words = None, None, None, "none"
+    if by_hand is not None:
+        rows = by_hand.get(name, ())
+        presses = presses_of_log(rows, index, reader.start_ns, reader.end_ns)
+        words = f"file {Path(selection.bump_from).name}"
+    elif selection.bump_from == "scan":
+        kind, words = "level", f"scan nearer than {selection.bump_distance_m:g} m"
+    elif roles.bumps:
+        kind, hold_s = replay.bump_kind, replay.hold_s
+        words = f"bumper {', '.join(role.topic.name for role in roles.bumps)}"
+    LOGGER.info(
+        "%s: scans from %s (%s), presses from %s", name, roles.scan.name if roles.scan else "",
+        roles.scan_reason, words if words != "none" else roles.bump_reason,
+    )  # fmt: skip
+    for warning in (*reader.warnings, *(f"{name}: {note}" for note in roles.notes)):
+        LOGGER.warning("%s", warning)
+    start = LogStart(
+        name=name,
+        start_ns=reader.start_ns,
+        forward_rad=survey.forward_rad,
+        range_max=survey.range_max,
+        bump_kind=kind,
+        hold_s=hold_s,
+        presses=presses,
+        bump_source=words,
+    )
+    distance_m = selection.bump_distance_m if selection.bump_from == "scan" else None
+    return Source(name, reader.path, index, reader, roles, survey, replay, start, distance_m)
+
+
+def _presses_by_hand(
+    selection: LogSelection, paths: Sequence[Path]
+) -> dict[str, tuple[PressRow, ...]] | None:
+    """Read the file of --bump-from, if it is one; it must name none but the logs."""
+    if selection.topic_choice.bump_from != "file":
+        return None
+    file = Path(selection.bump_from)
+    rows = presses_from_csv(file)
+    unknown = names_without_log(rows, [path.name for path in paths])
+    if unknown:
+        msg = f"--bump-from {file.name}: names {', '.join(unknown)}, which is no log given"
+        raise UsageError(msg)
+    return rows

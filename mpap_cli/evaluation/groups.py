@@ -1,0 +1,90 @@
+"""Which logs belong together, so that none of them is learnt while another is scored."""
+
+import csv
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from mpap_cli.errors import UsageError
+from mpap_cli.observations import ObservedLog
+
+
+def group_names(logs: Sequence[ObservedLog], groups: str) -> tuple[str, ...]:
+    """Name the group of each log.
+
+    Parameters
+    ----------
+    logs : sequence of ObservedLog
+        Logs in the order given.
+    groups : str
+        ``folder`` (the parent folder), a file ``*.csv`` with columns log and group, or a
+        regular expression: what its first bracket matches in the path.
+
+    Returns
+    -------
+    tuple of str
+        One name a log.
+
+    Raises
+    ------
+    UsageError
+        If the file or expression is none, or a log has no group.
+
+    Examples
+    --------
+    >>> log = ObservedLog("x1", "day/x1.bag", 0, 1, 0.0, None, (), "", lambda: iter(()))
+    >>> group_names([log], "folder"), group_names([log], "([a-z])1")
+    (('day',), ('x',))
+    """
+    if groups == "folder":
+        return tuple(Path(log.path).absolute().parent.name for log in logs)
+    if groups.endswith(".csv"):
+        listed = _listed_groups(Path(groups))
+        return tuple(_listed_group(log, listed, groups) for log in logs)
+    expression = _compile(groups)
+    return tuple(_matched_group(log, expression) for log in logs)
+
+
+def _compile(groups: str) -> re.Pattern[str]:
+    """Compile a regular expression with a bracket."""
+    try:
+        expression = re.compile(groups)
+    except re.error as error:
+        msg = f"--groups {groups}: no regular expression: {error}"
+        raise UsageError(msg) from error
+    if expression.groups == 0:
+        msg = f"--groups {groups}: found no bracket; put one around what names the group"
+        raise UsageError(msg)
+    return expression
+
+
+def _matched_group(log: ObservedLog, expression: re.Pattern[str]) -> str:
+    """Return what the first bracket matches in the path of a log."""
+    found = expression.search(log.path)
+    if found is None or found.group(1) is None:
+        msg = f"--groups {expression.pattern}: matches nothing in {log.path}; widen it"
+        raise UsageError(msg)
+    return found.group(1)
+
+
+def _listed_groups(path: Path) -> dict[str, str]:
+    """Read the columns log and group of a CSV."""
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            table = csv.DictReader(file)
+            if not {"log", "group"} <= set(table.fieldnames or ()):
+                msg = f"--groups {path.name}: found columns {table.fieldnames}, need log and group"
+                raise UsageError(msg)
+            return {row["log"]: row["group"] or "" for row in table}
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        msg = f"--groups {path.name}: cannot be read: {error}"
+        raise UsageError(msg) from error
+
+
+def _listed_group(log: ObservedLog, listed: dict[str, str], groups: str) -> str:
+    """Return the group that a file gives to a log, by base name or path."""
+    for key in (log.path, Path(log.path).name, log.name):
+        if listed.get(key):
+            return listed[key]
+    msg = f"--groups {Path(groups).name}: no group for {log.name}; add a line for it"
+    raise UsageError(msg)

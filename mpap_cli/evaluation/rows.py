@@ -1,0 +1,85 @@
+"""Rows of the tables of an evaluation: the fields are the columns, in order.
+
+None stands for an empty cell; flags are 0 or 1; times in ``_s`` count from the first
+message of the log.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AucRow:
+    """One method under one target and protocol (a row of auc.csv; Table 4)."""
+
+    method: str
+    feature: str | None
+    bins: int | None
+    profile: str | None
+    readout: str | None
+    target: str
+    protocol: str
+    truth: str
+    auc: float | None
+    auc_low: float | None
+    auc_high: float | None
+    auc_per_log: float | None
+    folds_scored: int
+    auc_in_sample: float | None
+    average_precision: float | None
+    brier: float | None
+    brier_skill: float | None
+    ece: float | None
+    positives: int
+    negatives: int
+    presses: int
+    logs: int
+    clusters: int | None
+    meta_points: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RocRow:
+    """One corner of a ROC curve (a row of roc.csv; Fig. 10).
+
+    ``threshold`` is None where the curves of several models were averaged: no single
+    threshold leads to such a point.
+    """
+
+    method: str
+    feature: str | None
+    bins: int | None
+    profile: str | None
+    target: str
+    protocol: str
+    threshold: float | None
+    fpr: float
+    tpr: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TimelineRow:
+    """One scan as the method of the first row sees it (a row of timeline.csv; Fig. 9)."""
+
+    log: str
+    log_index: int
+    time_s: float
+    stamp_ns: int
+    cluster: int | None
+    p_cluster: float | None
+    p_collision: float | None
+    predicted: int | None
+    truth: int | None
+    distance: float | None
+    novel: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PressRow:
+    """One press and how early it was announced (a row of presses.csv)."""
+
+    log: str
+    log_index: int
+    start_s: float
+    end_s: float
+    predicted: int | None
+    lead_s: float | None

@@ -1,0 +1,243 @@
+"""Compiled loops over the bytes of a log: walking its records, comparing and gathering them.
+
+Lengths are read from the file and believed only within the bytes at hand.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from mpap_cli.observations import BoolArray, IntArray
+
+U8 = NDArray[np.uint8]
+I64 = IntArray
+Int = int | np.int64
+Header = tuple[np.int64, np.int64, np.int64]
+
+MCAP_MESSAGE = 5
+BAG_MESSAGE = 2
+LATEST_NS = np.iinfo(np.int64).max
+
+_RECORD = 9  # opcode and length
+_MCAP_HEAD = 22  # channel, sequence, log time, publish time
+_U32 = 4
+_TIME = 8
+_NS_PER_S = 1_000_000_000
+_EXPECTED = 4096
+_NONE = np.int64(-1)
+_O, _P, _EQUALS = ord("o"), ord("p"), ord("=")
+_CONN = int.from_bytes(b"conn", "little")
+_TIME_NAME = int.from_bytes(b"time", "little")
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _number(records: U8, place: Int, n_bytes: int) -> np.uint64:
+    """Read a little-endian number."""
+    value = np.uint64(0)
+    for i in range(n_bytes):
+        value |= np.uint64(records[place + i]) << np.uint64(8 * i)
+    return value
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _u32(records: U8, place: Int) -> np.int64:
+    """Read four bytes as a number."""
+    return np.int64(_number(records, place, _U32))
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _place_in(wanted: I64, number: np.int64) -> int:
+    """Return where a channel stands among the wanted ones, -1 if it does not."""
+    for i in range(wanted.size):
+        if wanted[i] == number:
+            return i
+    return -1
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _walk_mcap(records: U8, wanted: I64, found: I64) -> tuple[int, bool]:
+    """Write which, stamp, start and size of each wanted message; those without room count."""
+    position, end, n_found = np.int64(0), records.size, 0
+    while position + _RECORD <= end:
+        begin = position + _RECORD
+        size = _number(records, position + 1, 8)
+        if size > np.uint64(end - begin):
+            return n_found, False
+        stop = begin + np.int64(size)
+        if records[position] == MCAP_MESSAGE:
+            if stop - begin < _MCAP_HEAD:
+                return n_found, False
+            which = _place_in(wanted, np.int64(_number(records, begin, 2)))
+            if which >= 0:
+                if n_found < found.shape[1]:
+                    stamp = _number(records, begin + 6, 8)
+                    late = stamp > np.uint64(LATEST_NS)
+                    found[0, n_found] = which
+                    found[1, n_found] = LATEST_NS if late else np.int64(stamp)
+                    found[2, n_found] = begin + _MCAP_HEAD
+                    found[3, n_found] = stop - begin - _MCAP_HEAD
+                n_found += 1
+        position = stop
+    return n_found, position == end
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _read_bag_header(records: U8, begin: np.int64, end: np.int64) -> Header:
+    """Return opcode, connection and stamp; -1 for what is missing, opcode -1 if broken."""
+    opcode, connection, stamp = np.int64(0), _NONE, _NONE
+    position = np.int64(begin)
+    while position < end:
+        if position + _U32 > end:
+            return _NONE, _NONE, _NONE
+        name = position + _U32
+        stop = name + _u32(records, position)
+        if stop > end:
+            return _NONE, _NONE, _NONE
+        equals = name
+        while equals < stop and records[equals] != _EQUALS:
+            equals += 1
+        if equals == stop:
+            return _NONE, _NONE, _NONE
+        value, n_name = equals + 1, equals - name
+        n_value = stop - value
+        if n_name == 2 and records[name] == _O and records[name + 1] == _P:  # noqa: PLR2004  # op
+            opcode = np.int64(records[value]) if n_value == 1 else np.int64(0)
+        elif n_name == _U32 and _u32(records, name) == _CONN:
+            connection = _u32(records, value) if n_value >= _U32 else _NONE
+        elif n_name == _U32 and _u32(records, name) == _TIME_NAME:
+            stamp = _NONE
+            if n_value == _TIME:
+                stamp = _u32(records, value) * _NS_PER_S + _u32(records, value + _U32)
+        position = stop
+    return opcode, connection, stamp
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _walk_bag(records: U8, wanted: I64, found: I64) -> tuple[int, bool]:
+    """Write which, stamp, start and size of each wanted message; those without room count."""
+    position, end, n_found = np.int64(0), records.size, 0
+    while position < end:
+        if position + _U32 > end:
+            return n_found, False
+        header = position + _U32
+        after = header + _u32(records, position)
+        if after + _U32 > end:
+            return n_found, False
+        begin = after + _U32
+        stop = begin + _u32(records, after)
+        opcode, connection, stamp = _read_bag_header(records, header, after)
+        if stop > end or opcode < 0:
+            return n_found, False
+        if opcode == BAG_MESSAGE:
+            if connection < 0:
+                return n_found, False
+            which = _place_in(wanted, connection)
+            if which >= 0:
+                if stamp < 0:
+                    return n_found, False
+                if n_found < found.shape[1]:
+                    found[0, n_found] = which
+                    found[1, n_found] = stamp
+                    found[2, n_found] = begin
+                    found[3, n_found] = stop - begin
+                n_found += 1
+        position = stop
+    return n_found, True
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _gather(records: U8, places: I64, rows: U8) -> None:
+    """Copy the bytes at each place into a row."""
+    n_bytes = rows.shape[1]
+    for i in range(places.size):
+        rows[i] = records[places[i] : places[i] + n_bytes]
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _find_changes(records: U8, starts: I64, sizes: I64, skip: int, changes: BoolArray) -> None:
+    """Tell which payloads differ from that before, their first ``skip`` bytes left aside."""
+    for i in range(starts.size):
+        differs = i == 0 or sizes[i] != sizes[i - 1]
+        k = skip
+        while not differs and k < sizes[i]:
+            differs = records[starts[i] + k] != records[starts[i - 1] + k]
+            k += 1
+        changes[i] = differs
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _find_alike(records: U8, starts: I64, first: int, mask: U8, alike: BoolArray) -> None:
+    """Tell which heads equal the bytes at ``first`` wherever the mask is set."""
+    for i in range(starts.size):
+        if alike[i]:
+            difference = np.uint8(0)
+            for k in range(mask.size):
+                difference |= (records[starts[i] + k] ^ records[first + k]) & mask[k]
+            alike[i] = difference == 0
+
+
+def walk_mcap(records: bytes, wanted: I64) -> tuple[I64, bool]:
+    """Find the messages of some channels among the records of an MCAP chunk.
+
+    Returns
+    -------
+    ndarray of shape (4, n)
+        Place of the channel in ``wanted``, log time, start and size of the payload. A stamp
+        that int64 cannot hold becomes the latest that it can.
+    bool
+        Whether the records are whole; those behind a broken one are not found.
+    """
+    found = np.empty((4, _EXPECTED), np.int64)
+    content = np.frombuffer(records, np.uint8)
+    n_found, whole = _walk_mcap(content, wanted, found)
+    if n_found > found.shape[1]:
+        found = np.empty((4, n_found), np.int64)
+        _walk_mcap(content, wanted, found)
+    return found[:, :n_found], whole
+
+
+def walk_bag(records: bytes, wanted: I64) -> tuple[I64, bool]:
+    """Find the messages of some connections among the records of a bag's chunk.
+
+    Returns
+    -------
+    ndarray of shape (4, n)
+        Place of the connection in ``wanted``, log time, start and size of the payload.
+    bool
+        Whether the records are whole; those behind a broken one are not found.
+    """
+    found = np.empty((4, _EXPECTED), np.int64)
+    content = np.frombuffer(records, np.uint8)
+    n_found, whole = _walk_bag(content, wanted, found)
+    if n_found > found.shape[1]:
+        found = np.empty((4, n_found), np.int64)
+        _walk_bag(content, wanted, found)
+    return found[:, :n_found], whole
+
+
+def gather(records: bytes, places: I64, n_bytes: int) -> U8:
+    """Return the ``n_bytes`` at each of n places as rows (n, n_bytes)."""
+    rows = np.empty((places.size, n_bytes), np.uint8)
+    _gather(np.frombuffer(records, np.uint8), places, rows)
+    return rows
+
+
+def find_changes(records: bytes, starts: I64, sizes: I64, skip: int) -> BoolArray:
+    """Tell which of n payloads differ from that before, (n,); the first does.
+
+    Their first ``skip`` bytes may differ.
+    """
+    changes = np.empty(starts.size, np.bool_)
+    _find_changes(np.frombuffer(records, np.uint8), starts, sizes, skip, changes)
+    return changes
+
+
+def find_alike(records: bytes, starts: I64, sizes: I64, least: int, mask: U8) -> BoolArray:
+    """Tell which of n payloads begin like the first, (n,).
+
+    Bytes count where the mask is not zero; ``least`` is the size that a payload must have,
+    not less than that of the mask.
+    """
+    alike = sizes >= least
+    _find_alike(np.frombuffer(records, np.uint8), starts, starts[0], mask, alike)
+    return alike

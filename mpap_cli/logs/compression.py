@@ -1,0 +1,69 @@
+"""Unpacking of chunks, without believing the sizes that they declare."""
+
+import bz2
+from collections.abc import Callable
+
+MAX_CHUNK_BYTES = 1 << 30
+"""A chunk that declares more is taken for broken, before any memory is asked for."""
+
+
+def decompress(compression: str, packed: bytes, size: int) -> tuple[bytes, str]:
+    """Unpack a chunk; never more than ``size`` bytes, and as many as come out of a cut one.
+
+    Returns
+    -------
+    bytes
+        The unpacked bytes; empty if the packed ones are wrong.
+    str
+        What is wrong with them; empty if nothing is.
+
+    Examples
+    --------
+    >>> decompress("bz2", bz2.compress(b"scan"), 4)
+    (b'scan', '')
+    >>> decompress("bz2", b"scan", 4)
+    (b'', 'bz2 cannot unpack it')
+    """
+    if size > MAX_CHUNK_BYTES:
+        return b"", f"it declares {size:,} bytes"
+    if compression not in DECOMPRESSORS:
+        return b"", f"its compression {compression!r} is unknown"
+    try:
+        unpacked = DECOMPRESSORS[compression](packed, size)
+    except (OSError, RuntimeError, ValueError, EOFError):
+        return b"", f"{compression} cannot unpack it"
+    return unpacked, "" if len(unpacked) == size else "it is cut off"
+
+
+def _plain(packed: bytes, size: int) -> bytes:
+    return packed[:size]
+
+
+def _bz2(packed: bytes, size: int) -> bytes:
+    return bz2.BZ2Decompressor().decompress(packed, max_length=size)
+
+
+def _lz4(packed: bytes, size: int) -> bytes:
+    from lz4.frame import (  # type: ignore[import-untyped]  # noqa: PLC0415  # few logs need it
+        LZ4FrameDecompressor,
+    )
+
+    return bytes(LZ4FrameDecompressor().decompress(packed, max_length=size))
+
+
+def _zstd(packed: bytes, size: int) -> bytes:
+    import zstandard  # noqa: PLC0415  # few logs need it
+
+    try:
+        return zstandard.ZstdDecompressor().stream_reader(packed).read(size)
+    except zstandard.ZstdError as err:
+        raise ValueError(*err.args) from err
+
+
+DECOMPRESSORS: dict[str, Callable[[bytes, int], bytes]] = {
+    "": _plain,
+    "none": _plain,
+    "bz2": _bz2,
+    "lz4": _lz4,
+    "zstd": _zstd,
+}

@@ -1,0 +1,248 @@
+"""Payloads become objects: a type is looked up when the first message of it is decoded.
+
+A type is taken from the log, else from the folders of ``--msgs``, else from the definitions
+that come with mpap, else from the standard types of the ROS distribution.
+"""
+
+import json
+import re
+from collections.abc import Callable, Iterator, Sequence
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mpap_cli.errors import LogError, UsageError
+from mpap_cli.logs.raw import PayloadError, RawMessage, Topic, ros2_name
+
+if TYPE_CHECKING:
+    from rosbags.interfaces.typing import FieldDesc, Typesdict
+    from rosbags.typesys.store import Typestore
+
+Decode = Callable[[bytes], object]
+
+_IDL_SEPARATOR = "=" * 80 + "\n"
+_CONSTANT_LINE = re.compile(r"^[ \t]*[\w/]+[ \t]+\w+[ \t]*=.*$", re.MULTILINE)
+_BAD_DEFINITION = (SyntaxError, ValueError, LookupError, AssertionError, RecursionError)
+
+
+class DefinitionsStore:
+    """Decodes the messages of one log.
+
+    Parameters
+    ----------
+    log : str
+        Base name of the log, for errors.
+    msgs : sequence of Path
+        Folders with ``.msg`` and ``.idl`` files, searched with all their subfolders.
+    ros_distro : str
+        Where the standard types come from; unknown or empty: humble.
+
+    Raises
+    ------
+    UsageError
+        If a folder does not exist.
+    """
+
+    def __init__(self, log: str, msgs: Sequence[Path] = (), ros_distro: str = "") -> None:
+        for folder in msgs:
+            if not folder.is_dir():
+                msg = f"--msgs {folder}: no such folder; name one that holds .msg files"
+                raise UsageError(msg)
+        self._log = log
+        self._folders = tuple(msgs)
+        self._ros_distro = ros_distro
+        self._decoders: dict[tuple[str, str, str], Decode] = {}
+
+    def decode(self, message: RawMessage) -> object:
+        """Return the fields of a message.
+
+        Parameters
+        ----------
+        message : RawMessage
+            Of encoding ``ros1``, ``cdr`` or ``json``.
+
+        Returns
+        -------
+        object
+            With the fields as attributes; for JSON what the text says, mostly a dict.
+
+        Raises
+        ------
+        PayloadError
+            If this message does not fit its definition.
+        LogError
+            If its type has no definition, or its encoding is not read.
+        """
+        topic = message.topic
+        key = (topic.msgtype, topic.encoding, topic.definition)
+        if key not in self._decoders:
+            self._decoders[key] = self._make_decoder(topic)
+        try:
+            return self._decoders[key](message.payload)
+        except (ValueError, LookupError, AssertionError, RecursionError) as err:
+            msg = (
+                f"{self._log}: a message of {topic.name} ({len(message.payload)} bytes) "
+                f"does not fit its type {topic.msgtype}"
+            )
+            raise PayloadError(msg) from err
+
+    def _make_decoder(self, topic: Topic) -> Decode:
+        """Return the function that decodes payloads of a topic."""
+        if topic.encoding == "json":
+            return json.loads
+        if topic.encoding not in {"ros1", "cdr"}:
+            msg = (
+                f"{self._log}: topic {topic.name} is encoded as {topic.encoding or '(nothing)'}; "
+                f"only ros1, cdr and json are read"
+            )
+            raise LogError(msg)
+        return _ros_decoder(self._make_store(topic), topic)
+
+    def _make_store(self, topic: Topic) -> "Typestore":
+        """Return a store that holds a type and the types of its fields."""
+        from rosbags.typesys import Stores, TypesysError, get_typestore  # noqa: PLC0415
+
+        own = _parse(topic.definition, topic.definition_format, topic.msgtype)
+        try:
+            found = self._collect(topic, own or {})
+        except LogError as err:
+            # rosserial writes "Definition of pkg/Type", which reads like a field of a lost type.
+            try:
+                found = self._collect(topic, {})
+            except LogError:
+                raise err from None
+        store = get_typestore(Stores.EMPTY)
+        try:
+            store.register({k: v for k, v in found.items() if k not in store.fielddefs})
+            store.get_msgdef(topic.msgtype)
+        except (TypesysError, *_BAD_DEFINITION) as err:
+            msg = f"{self._log}: the definition of {topic.msgtype} cannot be used"
+            raise LogError(msg) from err
+        return store
+
+    def _collect(self, topic: Topic, own: "Typesdict") -> "Typesdict":
+        """Take a type and the types of its fields, each from the first place that has it."""
+        from rosbags.typesys import get_typestore  # noqa: PLC0415
+
+        standard = get_typestore(_standard_store(topic.encoding, self._ros_distro)).fielddefs
+        found: Typesdict = {}
+        wanted = [topic.msgtype]
+        while wanted:
+            msgtype = wanted.pop()
+            sources = (own, self._from_folders(msgtype), _built_in(msgtype), standard)
+            source = next((types for types in sources if msgtype in types), None)
+            if source is None:
+                raise LogError(self._no_definition(topic, msgtype))
+            found[msgtype] = source[msgtype]
+            names = {name for _, desc in source[msgtype][1] for name in _type_names(desc)}
+            wanted.extend(names - found.keys() - set(wanted))
+        return found
+
+    def _no_definition(self, topic: Topic, msgtype: str) -> str:
+        needs = "" if msgtype == topic.msgtype else f" needs {msgtype}, which"
+        return (
+            f"{self._log}: type {topic.msgtype} of topic {topic.name}{needs} has no definition, "
+            f"neither in the log nor in mpap; name the folder of its .msg file with --msgs DIR"
+        )
+
+    def _from_folders(self, msgtype: str) -> "Typesdict":
+        """Return the type from the folders of the user; empty if it is not there."""
+        for path in self._files():
+            if path.suffix == ".msg" and _type_of(path) != msgtype:
+                continue
+            if path.suffix == ".idl" and path.stem != msgtype.rpartition("/")[2]:
+                continue
+            form = "ros2idl" if path.suffix == ".idl" else "ros2msg"
+            types = _parse(path.read_text(encoding="utf-8", errors="replace"), form, msgtype)
+            if types is None:
+                msg = f"{path}: cannot be understood as the definition of {msgtype}"
+                raise LogError(msg)
+            if msgtype in types:
+                return types
+        return {}
+
+    def _files(self) -> Iterator[Path]:
+        """Yield the definition files of the user's folders, in a fixed order."""
+        for folder in self._folders:
+            for suffix in ("*.msg", "*.idl"):
+                yield from sorted(folder.rglob(suffix))
+
+
+def _ros_decoder(store: "Typestore", topic: Topic) -> Decode:
+    """Return the function that decodes payloads of a type in a store."""
+    from rosbags.serde import SerdeError  # noqa: PLC0415  # only decoding needs rosbags
+
+    read = store.deserialize_ros1 if topic.encoding == "ros1" else store.deserialize_cdr
+
+    def decode(payload: bytes) -> object:
+        try:
+            return read(payload, topic.msgtype)
+        except SerdeError as err:
+            raise ValueError(*err.args) from err
+
+    return decode
+
+
+def _standard_store(encoding: str, ros_distro: str) -> Any:
+    """Return the name of the store that holds a distribution's types."""
+    from rosbags.typesys import Stores  # noqa: PLC0415
+
+    if encoding == "ros1":
+        return Stores.ROS1_NOETIC
+    return Stores.__members__.get(f"ROS2_{ros_distro.upper()}", Stores.ROS2_HUMBLE)
+
+
+def _type_of(path: Path) -> str:
+    """Return the type that a .msg file defines, by its name and folders.
+
+    >>> _type_of(Path("kobuki_msgs__msg__BumperEvent.msg"))
+    'kobuki_msgs/msg/BumperEvent'
+    >>> _type_of(Path("ws/kobuki_msgs/msg/BumperEvent.msg"))
+    'kobuki_msgs/msg/BumperEvent'
+    """
+    if "__" in path.stem:
+        return ros2_name(path.stem.replace("__", "/"))
+    package = path.parent.parent if path.parent.name == "msg" else path.parent
+    return f"{package.name}/msg/{path.stem}"
+
+
+def _built_in(msgtype: str) -> "Typesdict":
+    """Return the type as mpap's own definitions have it; empty if they do not."""
+    place = files("mpap_cli.logs") / "definitions" / f"{msgtype.replace('/', '__')}.msg"
+    if not place.is_file():
+        return {}
+    return _parse(place.read_text(encoding="utf-8"), "ros2msg", msgtype) or {}
+
+
+def _parse(text: str, form: str, msgtype: str) -> "Typesdict | None":
+    """Return the types that a text defines; None if it cannot be understood or is empty."""
+    from rosbags.typesys import (  # noqa: PLC0415
+        TypesysError,
+        get_types_from_idl,
+        get_types_from_msg,
+    )
+
+    try:
+        if form == "ros2idl":
+            parts = text.split(_IDL_SEPARATOR) if _IDL_SEPARATOR in text else [text]
+            texts = [re.sub(r"\AIDL: [^\n]*\n", "", part) for part in parts if part.strip()]
+            return {name: made for part in texts for name, made in get_types_from_idl(part).items()}
+        if form and text.strip():
+            return get_types_from_msg(text, msgtype)
+    except (TypesysError, *_BAD_DEFINITION):
+        plain = _CONSTANT_LINE.sub("", text)
+        # Some drivers name constants in ways the format forbids; payloads hold no constants.
+        again = form != "ros2idl" and plain != text and plain.strip()
+        return _parse(plain, form, msgtype) if again else None
+    return None
+
+
+def _type_names(desc: "FieldDesc") -> Iterator[str]:
+    """Yield the names of the messages that a field is made of."""
+    from rosbags.interfaces import Nodetype  # noqa: PLC0415
+
+    if desc[0] == Nodetype.NAME:
+        yield str(desc[1])
+    elif desc[0] in {Nodetype.ARRAY, Nodetype.SEQUENCE}:
+        inner: Any = desc[1][0]
+        yield from _type_names(inner)

@@ -1,0 +1,202 @@
+"""Laser scans out of raw payloads, without building the whole message.
+
+The few fields that a scan needs lie at offsets that follow from the length of the frame
+name, so they are read where they are: in CDR of either byte order, in ROS 1 messages and
+in JSON of ``foxglove.LaserScan``.
+"""
+
+import json
+import math
+import struct
+from functools import lru_cache
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from mpap_cli.logs.raw import RawMessage
+from mpap_cli.logs.runs import MAX_STAMP_NS
+from mpap_cli.observations import NS_PER_S, Float32Array, FloatArray, ScanGeometry
+
+TimeSource = Literal["log", "header"]
+ScanFields = tuple[int, FloatArray, ScanGeometry]
+
+# angle_min, angle_max, angle_increment, time_increment, scan_time, range_min, range_max, count
+_TAIL_LITTLE = struct.Struct("<7fI")
+_TAIL_BIG = struct.Struct(">7fI")
+_HEAD_LITTLE = struct.Struct("<4xIII")
+_HEAD_BIG = struct.Struct(">4xIII")
+_FLOAT_LITTLE = np.dtype("<f4")
+_FLOAT_BIG = np.dtype(">f4")
+_CUT_SHORT = "a scan cut short"
+CDR_BYTE_ORDERS = {0: "big", 1: "little", 6: "big", 7: "little"}
+
+
+class FieldError(ValueError):
+    """A payload does not hold what its type promises; the message is left out and counted."""
+
+
+class ScanLayout(NamedTuple):
+    """Where the ranges of a scan lie in its payload, and what stands before them."""
+
+    place: int
+    dtype: np.dtype[np.float32]
+    header_ns: int
+    geometry: ScanGeometry
+
+
+def read_scan(
+    message: RawMessage, time_source: TimeSource = "log"
+) -> tuple[int, Float32Array, ScanGeometry]:
+    """Read stamp, ranges and geometry of one laser scan.
+
+    Parameters
+    ----------
+    message : RawMessage
+        A sensor_msgs/LaserScan (``cdr`` or ``ros1``) or foxglove.LaserScan (``json``).
+    time_source : {"log", "header"}
+        Which stamp is wanted: when the message was recorded, or the one inside it.
+
+    Returns
+    -------
+    stamp_ns : int
+        Nanoseconds.
+    ranges : ndarray of shape (n_beams,)
+        Metres as recorded, float32; a copy.
+    geometry : ScanGeometry
+        The same object for scans of the same geometry. foxglove.LaserScan knows neither
+        range_min nor range_max: both are 0 there.
+
+    Raises
+    ------
+    FieldError
+        If the payload is cut short or makes no scan.
+    """
+    stamp_ns, ranges, geometry = scan_view(message, time_source)
+    return stamp_ns, ranges.astype(np.float32), geometry
+
+
+def scan_view(message: RawMessage, time_source: TimeSource = "log") -> ScanFields:
+    """Read a scan as `read_scan` does, its ranges as a view into the payload.
+
+    The view may have any byte order; it is meant to be copied into a block at once.
+    """
+    encoding, payload = message.topic.encoding, message.payload
+    if encoding in LOCATED:
+        place, dtype, header_ns, geometry = locate_ranges(payload, encoding)
+        ranges: FloatArray = np.frombuffer(payload, dtype, geometry.n_beams, place)
+    elif encoding == "json":
+        header_ns, ranges, geometry = _scan_json(payload)
+    else:
+        msg = f"a scan in encoding {encoding or 'unknown'}"
+        raise FieldError(msg)
+    return (header_ns if time_source == "header" else message.stamp_ns), ranges, geometry
+
+
+def locate_ranges(payload: bytes, encoding: str) -> ScanLayout:
+    """Tell where the ranges of a sensor_msgs/LaserScan lie.
+
+    Raises
+    ------
+    FieldError
+        If the payload is cut short or makes no scan.
+    """
+    return _LOCATORS[encoding](payload)
+
+
+def _locate_cdr(payload: bytes) -> ScanLayout:
+    """CDR: 4 bytes of encapsulation, then fields aligned to 4 bytes; texts end with NUL."""
+    order = CDR_BYTE_ORDERS.get(payload[1]) if len(payload) > 1 else None
+    if order is None:
+        msg = "a message that is no plain CDR"
+        raise FieldError(msg)
+    little = order == "little"
+    head, tail = (_HEAD_LITTLE, _TAIL_LITTLE) if little else (_HEAD_BIG, _TAIL_BIG)
+    header_ns, length = _unpack_head(head, payload)
+    frame = payload[16 : 16 + max(length - 1, 0)]
+    return _layout(payload, 16 + (length + 3 & ~3), tail, frame, header_ns)
+
+
+def _locate_ros1(payload: bytes) -> ScanLayout:
+    """ROS 1: a sequence number first, little endian, nothing aligned, texts without NUL."""
+    header_ns, length = _unpack_head(_HEAD_LITTLE, payload)
+    frame = payload[16 : 16 + length]
+    return _layout(payload, 16 + length, _TAIL_LITTLE, frame, header_ns)
+
+
+_LOCATORS = {"cdr": _locate_cdr, "ros1": _locate_ros1}
+LOCATED = frozenset(_LOCATORS)
+SCAN_ENCODINGS = LOCATED | {"json"}
+
+
+def _unpack_head(head: struct.Struct, payload: bytes) -> tuple[int, int]:
+    """Read the stamp and the length of the frame name (4 bytes are skipped)."""
+    try:
+        sec, nanosec, length = head.unpack_from(payload)
+    except struct.error:
+        msg = "a message shorter than its header"
+        raise FieldError(msg) from None
+    return sec * NS_PER_S + nanosec, length
+
+
+def _layout(
+    payload: bytes, place: int, tail: struct.Struct, frame: bytes, header_ns: int
+) -> ScanLayout:
+    """Read what follows the header of a sensor_msgs/LaserScan, up to the ranges."""
+    try:
+        angle_min, angle_max, increment, _, _, range_min, range_max, n_beams = tail.unpack_from(
+            payload, place
+        )
+    except struct.error:
+        raise FieldError(_CUT_SHORT) from None
+    begin = place + tail.size
+    if begin + n_beams * _FLOAT_LITTLE.itemsize > len(payload):
+        raise FieldError(_CUT_SHORT)
+    geometry = _geometry(n_beams, angle_min, angle_max, increment, range_min, range_max, frame)
+    dtype = _FLOAT_LITTLE if tail is _TAIL_LITTLE else _FLOAT_BIG
+    return ScanLayout(begin, dtype, header_ns, geometry)
+
+
+@lru_cache(maxsize=256)
+def _geometry(  # noqa: PLR0913, PLR0917  # the fields of the message, hashed as they come
+    n_beams: int,
+    angle_min: float,
+    angle_max: float,
+    increment: float,
+    range_min: float,
+    range_max: float,
+    frame: bytes,
+) -> ScanGeometry:
+    """Build the geometry once for all scans that share it."""
+    if n_beams == 0:
+        msg = "a scan without beams"
+        raise FieldError(msg)
+    if increment == 0 and n_beams > 1:  # some drivers leave it empty
+        increment = (angle_max - angle_min) / (n_beams - 1)
+    if not (math.isfinite(angle_min) and math.isfinite(increment)):
+        msg = "a scan whose angles are no numbers"
+        raise FieldError(msg)
+    if increment == 0 and n_beams > 1:
+        msg = "a scan whose beams have all one angle"
+        raise FieldError(msg)
+    near, far = (0.0 if math.isnan(limit) else limit for limit in (range_min, range_max))
+    name = frame.decode("utf-8", errors="replace")
+    return ScanGeometry(n_beams, angle_min, increment, near, far, name)
+
+
+def _scan_json(payload: bytes) -> ScanFields:
+    """foxglove.LaserScan as JSON; null stands for a beam without return."""
+    try:
+        message = json.loads(payload)
+        stamp = message["timestamp"]
+        header_ns = int(stamp["sec"]) * NS_PER_S + int(stamp["nsec"])
+        texts = [math.nan if value is None else value for value in message["ranges"]]
+        ranges = np.array(texts, dtype=np.float32)
+        first, last = float(message["start_angle"]), float(message["end_angle"])
+        frame = str(message.get("frame_id", "")).encode()
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
+        msg = "a scan that does not follow foxglove.LaserScan"
+        raise FieldError(msg) from None
+    if ranges.ndim != 1 or abs(header_ns) > MAX_STAMP_NS:
+        msg = "a scan that does not follow foxglove.LaserScan"
+        raise FieldError(msg)
+    return header_ns, ranges, _geometry(len(ranges), first, last, 0.0, 0.0, 0.0, frame)

@@ -1,0 +1,249 @@
+"""Records of a log before anything in it is understood: topics, payloads, damage."""
+
+import tempfile
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple, Protocol, Self
+
+from mpap_cli.errors import LogError
+from mpap_cli.observations import IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """What a log says about one topic.
+
+    ``msgtype`` has the form ``pkg/msg/Type``, or is the name of the schema as it stands
+    (``foxglove.LaserScan``); ``encoding`` is ``ros1``, ``cdr``, ``json`` or another word,
+    which is listed but not decoded; ``definition`` is the text of the message definition
+    in ``definition_format`` (``ros1msg``, ``ros2msg``, ``ros2idl``, ``jsonschema``), both
+    empty where the log does not hold it.
+    """
+
+    name: str
+    msgtype: str
+    encoding: str
+    n_messages: int
+    definition: str
+    definition_format: str
+
+
+class RawMessage(NamedTuple):
+    """One message as recorded; ``stamp_ns`` is log time.
+
+    A named tuple, since one is made per message: a frozen dataclass takes three times as long.
+    """
+
+    topic: Topic
+    stamp_ns: int
+    payload: bytes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RawRun:
+    """Messages of one topic that follow one another in time, in one piece of memory.
+
+    ``stamps_ns`` (n,) is log time, not decreasing; the payloads lie in ``records``:
+    ``sizes`` (n,) bytes from ``starts`` (n,). All three are int64, and n is above 0.
+    """
+
+    topic: Topic
+    stamps_ns: IntArray
+    records: bytes
+    starts: IntArray
+    sizes: IntArray
+
+    def __len__(self) -> int:
+        return self.stamps_ns.size
+
+    def payload(self, number: int) -> bytes:
+        """Return one payload."""
+        start = self.starts[number]
+        return self.records[start : start + self.sizes[number]]
+
+    def rows(self, rows: slice | IntArray) -> "RawRun":
+        """Return some of the messages, which share the memory."""
+        stamps_ns, starts, sizes = self.stamps_ns[rows], self.starts[rows], self.sizes[rows]
+        return RawRun(self.topic, stamps_ns, self.records, starts, sizes)
+
+
+class RunGroup(NamedTuple):
+    """The next stretch of a log.
+
+    Everything in it is stamped before ``until_ns``, nothing in a later group is. The runs
+    of one topic follow one another in time.
+    """
+
+    until_ns: int
+    runs: Sequence[RawRun]
+
+
+@dataclass(frozen=True, slots=True)
+class Damage:
+    """What is broken in one file, and how much was found or lost.
+
+    ``path`` is the base name of the file. By ``kind``, ``count`` counts
+
+    - ``unindexed``, ``truncated``, ``index``, ``database``: whole messages found
+      (the file has no index, ends early, has a broken index, is a broken database);
+    - ``chunk``: chunks left out (all their messages, or those behind the broken place);
+    - ``message``: messages left out;
+    - ``file``: files left out.
+
+    ``text`` is one sentence, ready to print.
+    """
+
+    path: str
+    kind: str
+    count: int
+    text: str
+
+
+class PayloadError(LogError):
+    """One message does not fit the definition of its type; the others may."""
+
+
+@dataclass(slots=True)
+class Reading:
+    """What one open log collects while it is read, and the folder for unpacked files.
+
+    ``damage`` has one record per file and kind, ``warnings`` one line per kind. With
+    ``strict`` the first damage is an error.
+    """
+
+    strict: bool = False
+    damage: list[Damage] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    _folder: tempfile.TemporaryDirectory[str] | None = None
+
+    def add_damage(self, damage: Damage) -> None:
+        """Note a damage in place of what was known about this file and kind.
+
+        Raises
+        ------
+        LogError
+            If the log is read strictly.
+        """
+        if self.strict:
+            msg = f"{damage.text}; without --strict the rest is used"
+            raise LogError(msg)
+        kept = [d for d in self.damage if (d.path, d.kind) != (damage.path, damage.kind)]
+        self.damage[:] = [*kept, damage]
+
+    def warn(self, text: str) -> None:
+        """Note a warning, once."""
+        if text not in self.warnings:
+            self.warnings.append(text)
+
+    def scratch(self) -> Path:
+        """Return a private folder that :meth:`close` removes.
+
+        Raises
+        ------
+        LogError
+            If no temporary folder can be made.
+        """
+        if self._folder is None:
+            try:
+                self._folder = tempfile.TemporaryDirectory(prefix="mpap-")
+            except OSError as err:
+                msg = f"temporary folder: {err.strerror}; name one with room in TMPDIR"
+                raise LogError(msg) from err
+        return Path(self._folder.name)
+
+    def close(self) -> None:
+        """Remove the private folder."""
+        if self._folder is not None:
+            self._folder.cleanup()
+            self._folder = None
+
+
+class LogFile(Protocol):
+    """One file of a log, whatever its container.
+
+    ``channels`` maps the file's own ids to topics (several ids may share a topic); counts
+    and stamps are those of all messages; ``ros_distro`` is empty where it is not recorded.
+    No file handle stays open between two calls.
+    """
+
+    path: Path
+    channels: Mapping[int, Topic]
+    n_messages: int
+    start_ns: int
+    end_ns: int
+    ros_distro: str
+
+    def messages(
+        self, wanted: Mapping[int, Topic], start_ns: int | None, end_ns: int | None
+    ) -> Iterator[RawMessage]:
+        """Yield the messages of the wanted channels in log time order, start <= t < end."""
+        ...
+
+    def runs(
+        self, wanted: Mapping[int, Topic], start_ns: int | None, end_ns: int | None
+    ) -> Iterator[RunGroup]:
+        """Yield the same messages in runs."""
+        ...
+
+
+class LogReader(Protocol):
+    """One log, of one file or several, as one stream in time order.
+
+    ``container`` is ``bag``, ``sqlite3``, ``mcap``, ``rosbag2/sqlite3`` or ``rosbag2/mcap``;
+    ``start_ns`` and ``end_ns`` are the log times of the first and the last message (both 0
+    where there is none); ``damage`` grows while messages are read.
+    """
+
+    path: Path
+    container: str
+    topics: tuple[Topic, ...]
+    n_messages: int
+    start_ns: int
+    end_ns: int
+    damage: list[Damage]
+    warnings: list[str]
+
+    def messages(
+        self,
+        topics: Collection[str],
+        start_ns: int | None = None,
+        end_ns: int | None = None,
+    ) -> Iterator[RawMessage]:
+        """Yield the messages of the topics so named in log time order, start <= t < end."""
+        ...
+
+    def runs(
+        self,
+        topics: Collection[str],
+        start_ns: int | None = None,
+        end_ns: int | None = None,
+    ) -> Iterator[RunGroup]:
+        """Yield the same messages in runs."""
+        ...
+
+    def decode(self, message: RawMessage) -> object:
+        """Return the fields of a message: an object with attributes, or a dict for JSON."""
+        ...
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None: ...
+
+
+def ros2_name(msgtype: str) -> str:
+    """Return a type's name in its ROS 2 form.
+
+    >>> ros2_name("sensor_msgs/LaserScan")
+    'sensor_msgs/msg/LaserScan'
+    >>> ros2_name("foxglove.LaserScan")
+    'foxglove.LaserScan'
+    """
+    package, _, name = msgtype.partition("/")
+    return f"{package}/msg/{name}" if name and "/" not in name else msgtype

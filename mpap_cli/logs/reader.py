@@ -1,0 +1,137 @@
+"""Open a log of any container; find logs by the words of a command line."""
+
+import glob
+from collections.abc import Sequence
+from pathlib import Path
+
+from mpap_cli.errors import LogError
+from mpap_cli.logs.containers import READERS, open_file
+from mpap_cli.logs.definitions_store import DefinitionsStore
+from mpap_cli.logs.raw import Damage, LogReader, PayloadError, RawMessage, Reading, Topic
+from mpap_cli.logs.recording import Recording
+from mpap_cli.logs.ros2 import METADATA, Folder, open_folder, storage_files
+from mpap_cli.logs.sqlite import UNFINISHED
+
+__all__ = [
+    "READERS",
+    "Damage",
+    "LogReader",
+    "PayloadError",
+    "RawMessage",
+    "Topic",
+    "expand_paths",
+    "input_files",
+    "open_log",
+]
+
+
+def open_log(path: Path, *, msgs: Sequence[Path] = (), strict: bool = False) -> LogReader:
+    """Open a log; nothing but its index is read, where it has one.
+
+    Parameters
+    ----------
+    path : Path
+        A .bag, .mcap or .db3 file (also packed with zstd), a rosbag2 folder, or its
+        metadata.yaml. The first bytes decide, not the name.
+    msgs : sequence of Path
+        Folders with message definitions.
+    strict : bool
+        The first damage is an error; otherwise it is noted and the rest is used.
+
+    Returns
+    -------
+    LogReader
+        Use it in a ``with`` statement: a log that had to be unpacked or repaired lies in a
+        temporary folder until then.
+
+    Raises
+    ------
+    LogError
+        If the log is missing, empty, no log, or beyond repair.
+    UsageError
+        If a folder of ``msgs`` does not exist.
+    """
+    path = _log_path(path)
+    reading = Reading(strict=strict)
+    try:
+        if path.is_dir():
+            folder = open_folder(path, reading)
+        else:
+            kind, file = open_file(path, reading)
+            folder = Folder(kind, (file,), {}, "")
+        distro = folder.ros_distro or folder.files[0].ros_distro
+        return Recording(path, folder, reading, DefinitionsStore(path.name, msgs, distro))
+    except OSError as err:
+        reading.close()
+        msg = f"{path.name}: cannot be read ({err.strerror or err})"
+        raise LogError(msg) from err
+    except BaseException:
+        reading.close()
+        raise
+
+
+def _log_path(path: Path) -> Path:
+    """Return the folder of a metadata.yaml, other paths as they are."""
+    return path.absolute().parent if path.name == METADATA and path.is_file() else path
+
+
+def expand_paths(words: Sequence[str]) -> list[Path]:
+    """Turn the words of a command line into paths of logs.
+
+    Parameters
+    ----------
+    words : sequence of str
+        Paths, globs (``**`` goes through subfolders), or the metadata.yaml of a folder.
+
+    Returns
+    -------
+    list of Path
+        In the order given, the matches of a glob by name; each log once.
+
+    Raises
+    ------
+    LogError
+        If a word matches nothing.
+    """
+    found: dict[Path, None] = {}
+    for word in words:
+        path = Path(word)
+        # Path.glob takes no absolute patterns.
+        names = [] if path.exists() else sorted(glob.glob(word, recursive=True))  # noqa: PTH207
+        matches = [path] if path.exists() else [Path(name) for name in names]
+        if not matches:
+            what = "matches no file or folder" if glob.has_magic(word) else "no such file or folder"
+            msg = f"{word}: {what}"
+            raise LogError(msg)
+        found.update(dict.fromkeys(_log_path(match) for match in matches))
+    return list(found)
+
+
+def input_files(path: Path) -> list[Path]:
+    """List the files that a log is read from.
+
+    Parameters
+    ----------
+    path : Path
+        A log, as for :func:`open_log`.
+
+    Returns
+    -------
+    list of Path
+        The file itself, or metadata.yaml and the files it names; with a database also what
+        a recorder that died left beside it.
+
+    Raises
+    ------
+    LogError
+        If a folder holds no log.
+    """
+    path = _log_path(path)
+    if path.is_dir():
+        metadata = path / METADATA
+        listed = [metadata] if metadata.is_file() else []
+        listed += storage_files(path)[0]
+    else:
+        listed = [path]
+    beside = (file.with_name(file.name + end) for file in listed for end in UNFINISHED)
+    return listed + [file for file in beside if file.is_file() and file.stat().st_size]

@@ -1,0 +1,202 @@
+"""What must be settled before a log is replayed: straight ahead, range_max, usual beams."""
+
+import logging
+import math
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+
+from mpap_cli.errors import SettingError
+from mpap_cli.logs.fields import FieldError, scan_view
+from mpap_cli.logs.listing import messages_of
+from mpap_cli.logs.raw import LogReader, Topic
+from mpap_cli.logs.tf import find_forward
+from mpap_cli.logs.topics import Roles
+from mpap_cli.observations import BoolArray, Float32Array, ScanGeometry
+
+_LOG = logging.getLogger(__name__)
+
+_SURVEYED_SCANS = 200
+_ROBUST_QUANTILE = 0.99
+BEAM_CODES = (
+    "zero",
+    "nan",
+    "inf",
+    "-inf",
+    "negative",
+    "above range_max",
+    "below range_min",
+    "valid",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """What the first scans and the transforms of a log say.
+
+    Parameters
+    ----------
+    forward_rad : float
+        Straight ahead in the frame of the scanner.
+    forward_source : str
+        ``tf``, ``option`` or ``assumed``.
+    range_max : float or None
+        Metres, where the message's own is unusable: the 99 % quantile of the returns.
+        None: the message's is good, or there is no return to go by.
+    geometry : ScanGeometry or None
+        Of the first scan with the usual number of beams; None without scans.
+    no_return_shares : dict of str to float
+        Share of beams of each of `BEAM_CODES`; empty without scans.
+    """
+
+    forward_rad: float
+    forward_source: str
+    range_max: float | None
+    geometry: ScanGeometry | None
+    no_return_shares: dict[str, float]
+
+
+def survey_log(reader: LogReader, roles: Roles, forward: str = "tf") -> Survey:
+    """Look at the transforms and the first 200 scans.
+
+    Parameters
+    ----------
+    reader : LogReader
+        An open log.
+    roles : Roles
+        Its topics.
+    forward : str
+        ``tf``, or degrees counter-clockwise in the frame of the scanner.
+
+    Returns
+    -------
+    Survey
+        Without scans: no geometry, no shares.
+
+    Raises
+    ------
+    SettingError
+        If `forward` is neither.
+    """
+    option = _parse_forward(forward)
+    scans = _first_scans(reader, roles.scan) if roles.scan is not None else []
+    usual = usual_beams(scans)
+    whole = [scan for scan in scans if not is_broken(scan[1], usual)]
+    geometry = whole[0][1] if whole else None
+    if option is not None:
+        forward_rad, source = option, "option"
+    else:
+        forward_rad, source = _forward_of(reader, geometry)
+    range_max = _range_max(reader, whole) if geometry is not None else None
+    return Survey(forward_rad, source, range_max, geometry, _shares(whole))
+
+
+def usual_beams(scans: list[tuple[Float32Array, ScanGeometry]]) -> float:
+    """Return the median number of beams; 0 without scans."""
+    return float(np.median([geometry.n_beams for _, geometry in scans])) if scans else 0.0
+
+
+def is_broken(geometry: ScanGeometry, usual: float) -> bool:
+    """Tell whether a scan has fewer than half the usual beams."""
+    return geometry.n_beams < usual / 2
+
+
+def survey_beams(reader: LogReader, topic: Topic) -> float:
+    """Return the median number of beams of the first 200 scans; 0 without scans."""
+    return usual_beams(_first_scans(reader, topic))
+
+
+def _first_scans(reader: LogReader, topic: Topic) -> list[tuple[Float32Array, ScanGeometry]]:
+    """Read the first scans that can be read."""
+    scans = []
+    for message in islice(messages_of(reader, topic), _SURVEYED_SCANS):
+        try:
+            _, ranges, geometry = scan_view(message)
+        except FieldError:
+            continue
+        scans.append((ranges.astype(np.float32), geometry))
+    return scans
+
+
+def _parse_forward(text: str) -> float | None:
+    """Read ``--forward``: degrees become radians, ``tf`` None."""
+    if text == "tf":
+        return None
+    try:
+        degrees = float(text)
+    except ValueError:
+        degrees = math.nan
+    if not math.isfinite(degrees):
+        msg = f"--forward: found {text}, expected tf or degrees"
+        raise SettingError(msg)
+    return math.radians(degrees)
+
+
+def _forward_of(reader: LogReader, geometry: ScanGeometry | None) -> tuple[float, str]:
+    """Ask the transforms; without them angle 0 is ahead."""
+    found = find_forward(reader, geometry.frame_id) if geometry is not None else None
+    if found is not None:
+        return found, "tf"
+    if geometry is not None:
+        _LOG.info(
+            "%s: no transform from the robot to its scanner (frame '%s'); angle 0 is taken as "
+            "straight ahead, --forward DEG says otherwise",
+            reader.path.name,
+            geometry.frame_id,
+        )
+    return 0.0, "assumed"
+
+
+def _has_range_max(geometry: ScanGeometry) -> bool:
+    """Tell whether the message's range_max can be used."""
+    return geometry.range_min < geometry.range_max < math.inf
+
+
+def _range_max(reader: LogReader, scans: list[tuple[Float32Array, ScanGeometry]]) -> float | None:
+    """Find a range_max where the message's is not above range_min."""
+    geometry = scans[0][1]
+    if _has_range_max(geometry):
+        return None
+    ranges = np.concatenate([ranges for ranges, _ in scans])
+    returns = ranges[np.isfinite(ranges) & (ranges > max(geometry.range_min, 0.0))]
+    found = float(np.quantile(returns, _ROBUST_QUANTILE)) if returns.size else None
+    taken = f"{found:.2f} m, from its first scans, is taken" if found else "there is no return"
+    _LOG.warning(
+        "%s: the scans give no usable range_max (%g); %s; --max-range M says otherwise",
+        reader.path.name,
+        geometry.range_max,
+        taken,
+    )
+    return found
+
+
+def _shares(scans: list[tuple[Float32Array, ScanGeometry]]) -> dict[str, float]:
+    """Count which codes the beams carry."""
+    if not scans:
+        return {}
+    counts = np.zeros(len(BEAM_CODES))
+    for ranges, geometry in scans:
+        counts += [np.count_nonzero(of_code) for of_code in _coded(ranges, geometry)]
+    return dict(zip(BEAM_CODES, (counts / counts.sum()).tolist(), strict=True))
+
+
+def _coded(ranges: Float32Array, geometry: ScanGeometry) -> tuple[BoolArray, ...]:
+    """Split beams into the classes of `BEAM_CODES`; each beam is in one."""
+    far = np.float32(geometry.range_max if _has_range_max(geometry) else math.inf)
+    finite = np.isfinite(ranges)
+    zero = ranges == 0
+    negative = finite & (ranges < 0)
+    above = finite & (ranges > far)
+    below = finite & (ranges > 0) & (ranges < np.float32(geometry.range_min)) & ~above
+    valid = finite & ~(zero | negative | above | below)
+    return (
+        zero,
+        np.isnan(ranges),
+        np.isposinf(ranges),
+        np.isneginf(ranges),
+        negative,
+        above,
+        below,
+        valid,
+    )

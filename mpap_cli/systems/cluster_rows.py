@@ -1,0 +1,150 @@
+"""The rows of clusters.csv: what each cluster has seen, and how often it meant a collision."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypedDict
+
+from mpap_cli.observations import NS_PER_S, Float64Array, IntArray
+from mpap_cli.params import TARGETS, Settings
+from mpap_cli.properties.counts import cluster_counts, jeffreys, ratio
+from mpap_cli.properties.labels import EARLY
+from mpap_cli.properties.visits import Visits
+from mpap_cli.systems.labelling import LogSource
+from mpap_cli.systems.model_parts import ModelParts
+
+
+@dataclass(frozen=True, slots=True)
+class ClusterRow:
+    """One row of clusters.csv, fields in the order of its columns.
+
+    ``collisions`` and ``non_collisions`` are counted labels of the target that is learnt;
+    the interval ``p_low``, ``p_high`` counts visits instead, with and without a press.
+    The three are None where no label is counted. ``exemplar_time_s`` counts from the first
+    message of ``exemplar_log``; ``first_seen_s`` and ``last_seen_s`` count from that of the
+    first log, and of the last one, in which the cluster was seen.
+    """
+
+    sensor: str
+    feature: str
+    bins: int
+    profile: str
+    cluster: int
+    observations: int
+    collisions: int
+    non_collisions: int
+    presses: int
+    visits: int
+    p_collision: float | None
+    p_low: float | None
+    p_high: float | None
+    meta_points: int
+    exemplar_log: str
+    exemplar_time_s: float
+    exemplar_stamp_ns: int
+    first_seen_s: float
+    last_seen_s: float
+
+
+def pair_of(settings: Settings, target: str) -> int:
+    """Return the pair of counts that scores a target (section 4.1).
+
+    Profile ``paper`` knows one pair only; profile ``robust`` scores ``early`` by its own.
+
+    >>> [pair_of(Settings(), target) for target in ("contact", "onset", "early")]
+    [1, 1, 2]
+    """
+    if target == "early" and settings.profile == "robust":
+        return EARLY
+    return TARGETS.index(settings.properties.learn_target)
+
+
+def cluster_probabilities(counts: IntArray, profile: str) -> Float64Array:
+    """Return the probability of each cluster as the tables show it.
+
+    Parameters
+    ----------
+    counts : ndarray of shape (k, 2)
+        Negatives and positives.
+    profile : str
+        ``paper``: the share of positives (equation 8); ``robust``: the posterior mean.
+
+    Returns
+    -------
+    ndarray of shape (k,)
+        NaN where nothing is counted.
+    """
+    if profile == "paper":
+        return ratio(counts)
+    mean, _, _ = jeffreys(counts[:, 1], counts[:, 0])
+    return mean
+
+
+def make_cluster_rows(parts: ModelParts, visits: Visits) -> list[ClusterRow]:
+    """Describe each cluster of a model, given its visits, in the order of the clusters."""
+    settings, clustered = parts.settings, parts.clustered
+    counts = cluster_counts(parts.meta_points, clustered, pair_of(settings, "contact"))
+    shares = cluster_probabilities(counts, settings.profile)
+    _, lows, highs = jeffreys(visits.positive, visits.negative)
+    return [
+        ClusterRow(
+            sensor="scan",
+            feature=settings.scan.feature,
+            bins=settings.scan.bins,
+            profile=settings.profile,
+            cluster=cluster,
+            collisions=int(counts[cluster, 1]),
+            non_collisions=int(counts[cluster, 0]),
+            presses=int(visits.presses[cluster]),
+            visits=int(visits.visits[cluster]),
+            p_collision=_cell(shares[cluster]),
+            p_low=_cell(lows[cluster]),
+            p_high=_cell(highs[cluster]),
+            **_members(parts, cluster),
+        )
+        for cluster in range(clustered.n_clusters)
+    ]
+
+
+def _cell(value: float) -> float | None:
+    return None if math.isnan(value) else float(value)
+
+
+class _Members(TypedDict):
+    """Columns that tell of the meta-points of a cluster."""
+
+    observations: int
+    meta_points: int
+    exemplar_log: str
+    exemplar_time_s: float
+    exemplar_stamp_ns: int
+    first_seen_s: float
+    last_seen_s: float
+
+
+def _members(parts: ModelParts, cluster: int) -> _Members:
+    """Describe the meta-points of one cluster."""
+    points, clustering = parts.meta_points, parts.clustered.clustering
+    rows = points.rows_of(parts.clustered.ids)
+    exemplar = rows[clustering.exemplars[cluster]]
+    members = rows[clustering.labels == cluster]
+    log = int(points.exemplar_log[exemplar])
+    stamp_ns = int(points.exemplar_stamp_ns[exemplar])
+    firsts = [_place(parts.logs, log, first) for first in points.first_ns[members].tolist()]
+    lasts = [_place(parts.logs, log, last) for last in points.last_ns[members].tolist()]
+    return _Members(
+        observations=int(points.count[members].sum()),
+        meta_points=members.size,
+        exemplar_log=parts.logs[log].name,
+        exemplar_time_s=(stamp_ns - parts.logs[log].start_ns) / NS_PER_S,
+        exemplar_stamp_ns=stamp_ns,
+        first_seen_s=min(firsts)[1] / NS_PER_S,
+        last_seen_s=max(lasts)[1] / NS_PER_S,
+    )
+
+
+def _place(logs: Sequence[LogSource], otherwise: int, stamp_ns: int) -> tuple[int, int]:
+    """Return the first log that holds a stamp, and the nanoseconds since its start."""
+    inside = [index for index, log in enumerate(logs) if log.start_ns <= stamp_ns <= log.end_ns]
+    index = inside[0] if inside else otherwise
+    return index, stamp_ns - logs[index].start_ns

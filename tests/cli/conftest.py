@@ -1,0 +1,94 @@
+"""The command line run in this process, and small logs to run it on."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mpap_cli.cli.main import main
+from mpap_cli.logs.writer import LogWriter
+
+SCAN = "sensor_msgs/msg/LaserScan"
+BOOL = "std_msgs/msg/Bool"
+STEP_NS = 200_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a command ended."""
+
+    code: int
+    out: str
+    err: str
+
+
+Run = Callable[..., Outcome]
+WriteScans = Callable[..., Path]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    """Return a function that runs ``mpap`` with words."""
+
+    def call(*words: object) -> Outcome:
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as left:
+            main([str(word) for word in words])
+        said = capsys.readouterr()
+        return Outcome(int(left.value.code or 0), said.out, said.err)
+
+    return call
+
+
+def scan_message(distance_m: float, n_beams: int) -> dict[str, Any]:
+    """Return a scan of a wall ahead, open to the sides."""
+    middle = n_beams // 2
+    ranges = [
+        distance_m if abs(beam - middle) < n_beams // 6 else 3.0 + beam / n_beams
+        for beam in range(n_beams)
+    ]
+    return {
+        "header": {"frame_id": "laser"},
+        "angle_min": -1.57,
+        "angle_increment": 3.14 / n_beams,
+        "range_min": 0.05,
+        "range_max": 5.0,
+        "ranges": ranges,
+    }
+
+
+@pytest.fixture
+def write_scans(tmp_path: Path) -> WriteScans:
+    """Return a function that writes a log of approaches; pressed where it is near."""
+
+    def write(
+        name: str = "log.bag",
+        *,
+        n_scans: int = 240,
+        n_beams: Sequence[int] = (180,),
+        topics: Sequence[str] = ("/scan",),
+        pressed: str = "near",
+        container: str = "bag",
+    ) -> Path:
+        path = tmp_path / name
+        with LogWriter(path, container) as writer:
+            for index in range(n_scans):
+                stamp_ns = 10**18 + index * STEP_NS
+                distance_m = 2.2 - 0.05 * (index % 40)
+                states = {
+                    "near": distance_m < 0.4,
+                    "always": True,
+                    "never": False,
+                    "once": 30 <= index < 36,
+                    "held": index >= 200,
+                }
+                if pressed in states:
+                    writer.write("/bump", BOOL, stamp_ns - 1000, {"data": states[pressed]})
+                for topic in topics:
+                    beams = n_beams[index % len(n_beams)]
+                    writer.write(topic, SCAN, stamp_ns, scan_message(distance_m, beams))
+        return path
+
+    return write

@@ -1,0 +1,204 @@
+"""The kernels of scans equal readable loops, on random and adversarial ranges."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mpap_cli.features import _kernels
+from mpap_cli.observations import Float32Array, Float64Array, IntArray
+
+STATISTICS = np.arange(6)
+NASTY = [0.0, -0.0, 0.02, 0.05, 0.049, 1.0, 3.0, 4.999, 5.0, 5.001, 8.0, 8.001, 81.83]
+NASTY += [math.inf, -math.inf, math.nan, -1.0, 1e-40]
+LIMITS = {
+    "max": [0.05, 8.0, 8.0, 0.05, 8.0, 8.0],
+    "capped": [0.05, 8.0, 5.0, 0.05, 0.05, 5.0],
+    "drop": [0.05, 8.0, 5.0, 0.05, -1.0, -1.0],
+    "drop near": [0.05, 8.0, 8.0, -1.0, -1.0, -1.0],
+}
+
+
+def clean_beam(r: float, limits: Float32Array) -> tuple[float, int]:
+    """Return the cleaned range of one beam and its code."""
+    range_min, reach, cap, near, zero, none = (float(limit) for limit in limits)
+    rules = (
+        (math.isnan(r), none, 4),
+        (r == math.inf, none, 5),
+        (r == -math.inf, near, 6),
+        (r == 0, zero, 2),
+        (r < 0, none, 3),
+        (r > reach, none, 7),
+        (r < range_min, near, 1),
+        (True, min(r, cap), 0),
+    )
+    return next((value, code) for holds, value, code in rules if holds)
+
+
+def bin_value(statistic: int, ranges: list[float]) -> float:
+    """Return one value of the ranges of one bin, as section 4.1 lists them."""
+    falls = [a - b for a, b in pairwise(ranges)]
+    n_steps = max(len(falls), 1)
+    return [
+        min(ranges),
+        max(ranges),
+        sum(ranges) / len(ranges),
+        max(ranges) - min(ranges),
+        sum(abs(fall) for fall in falls) / n_steps,
+        sum(falls) / n_steps,
+    ][statistic]
+
+
+def reference(
+    ranges: Float32Array, limits: Float32Array, runs: IntArray, n_turn: int
+) -> tuple[Float64Array, Float32Array, IntArray]:
+    """Do what ``bin_block`` does, one beam after the other."""
+    n_scans, n_bins = len(ranges), len(runs) - 1
+    values = np.empty((6, n_scans, n_bins))
+    nearest = np.empty(n_scans, np.float32)
+    counts = np.zeros(8, np.int64)
+    for i, scan in enumerate(ranges):
+        cleaned = []
+        for r in scan:
+            value, code = clean_beam(float(r), limits)
+            counts[code] += 1
+            cleaned.append(value)
+        inside = [
+            [cleaned[k % n_turn] for k in range(start, stop) if cleaned[k % n_turn] >= 0]
+            for start, stop in runs
+        ]
+        nearest[i] = min([*inside[-1], limits[2]])
+        for b in range(n_bins):
+            for statistic in range(6):
+                if inside[b]:
+                    value = bin_value(statistic, inside[b])
+                elif runs[b, 1] > runs[b, 0] and i > 0:
+                    value = values[statistic, i - 1, b]
+                else:
+                    value = limits[2] if statistic < 3 else 0.0
+                values[statistic, i, b] = value
+    return values, nearest, counts
+
+
+@st.composite
+def blocks(draw: st.DrawFn) -> tuple[Float32Array, IntArray, int]:
+    """Draw ranges, runs of beams that may cross the wrap or be empty, and beams of a turn."""
+    n_beams = draw(st.integers(2, 12))
+    n_turn = draw(st.integers(max(2, n_beams - 1), n_beams))
+    n_scans = draw(st.integers(0, 2 * _kernels.LANES + 1))
+    beam = st.sampled_from(NASTY) | st.floats(0, 9, width=32)
+    rows = draw(st.lists(st.lists(beam, min_size=4, max_size=4), min_size=1, max_size=4))
+    picks = np.random.default_rng(draw(st.integers(0, 99))).integers(0, 4, (2, n_scans, n_beams))
+    table = np.array(rows, np.float32)
+    ranges = table[picks[0] % len(rows), picks[1]]
+    run = st.tuples(st.integers(0, n_turn - 1), st.integers(0, n_turn))
+    runs = [(start, start + n) for start, n in draw(st.lists(run, min_size=2, max_size=4))]
+    return ranges, np.array(runs, np.int64), n_turn
+
+
+@pytest.mark.parametrize("kind", LIMITS)
+@given(block=blocks())
+@settings(max_examples=40, deadline=None)
+def test_a_block_equals_the_loop_over_its_beams(
+    kind: str, block: tuple[Float32Array, IntArray, int]
+) -> None:
+    """Values, nearest ranges and counts equal the loop exactly, whatever the beams hold."""
+    ranges, runs, n_turn = block
+    limits = np.array(LIMITS[kind], np.float32)
+    held = np.full((6, len(runs) - 1), np.nan)
+
+    values, nearest, counts = _kernels.bin_block(ranges, limits, runs, n_turn, STATISTICS, held)
+
+    wanted_values, wanted_nearest, wanted_counts = reference(ranges, limits, runs, n_turn)
+    np.testing.assert_array_equal(values, wanted_values)
+    np.testing.assert_array_equal(nearest, wanted_nearest)
+    np.testing.assert_array_equal(counts, wanted_counts)
+    if len(ranges):
+        np.testing.assert_array_equal(held, values[:, -1])
+
+
+def test_only_what_is_asked_is_written() -> None:
+    """One statistic alone equals its row of all six."""
+    ranges = np.random.default_rng(0).uniform(0, 9, (40, 30)).astype(np.float32)
+    limits = np.array(LIMITS["max"], np.float32)
+    runs = np.array([[0, 15], [15, 30], [0, 30]])
+    held = np.full((6, 2), np.nan)
+    together, _, _ = _kernels.bin_block(ranges, limits, runs, 30, STATISTICS, held)
+
+    alone = [
+        _kernels.bin_block(ranges, limits, runs, 30, STATISTICS[[s]], np.full((1, 2), np.nan))[0]
+        for s in STATISTICS
+    ]
+
+    np.testing.assert_array_equal(np.concatenate(alone), together)
+
+
+@pytest.mark.parametrize("kind", LIMITS)
+def test_cleaning_alone_equals_the_loop(kind: str) -> None:
+    """Every kind of beam is cleaned and counted as the loop does it."""
+    ranges = np.array([NASTY, NASTY[::-1]], np.float32)
+    limits = np.array(LIMITS[kind], np.float32)
+
+    cleaned, counts = _kernels.clean_block(ranges, limits)
+
+    beams = [[clean_beam(float(r), limits) for r in scan] for scan in ranges]
+    np.testing.assert_array_equal(cleaned, np.array([[v for v, _ in scan] for scan in beams]))
+    codes = [code for scan in beams for _, code in scan]
+    np.testing.assert_array_equal(counts, np.bincount(codes, minlength=8))
+
+
+@given(
+    gaps=st.lists(st.integers(0, 5), max_size=30),
+    window=st.integers(0, 12),
+    n_before=st.integers(0, 5),
+)
+@settings(max_examples=60, deadline=None)
+def test_window_minimum_equals_the_search_of_every_window(
+    gaps: list[int], window: int, n_before: int
+) -> None:
+    """The queue finds what a search over all rows of each window finds."""
+    stamps = np.cumsum(np.array(gaps, np.int64))
+    n_before = min(n_before, len(gaps))
+    values = np.random.default_rng(len(gaps)).integers(0, 9, (len(gaps), 3)).astype(np.float64)
+
+    minima = _kernels.window_minimum(stamps, values, n_before, window)
+
+    for i in range(n_before, len(gaps)):
+        inside = (stamps >= stamps[i] - window) & (np.arange(len(gaps)) <= i)
+        np.testing.assert_array_equal(minima[i - n_before], values[inside].min(axis=0))
+
+
+def run_bins(
+    ranges: Float32Array, limits: Float32Array, runs: IntArray, statistics: IntArray
+) -> Float64Array:
+    """Return the values of a block of scans that follow no other."""
+    held = np.full((statistics.size, len(runs) - 1), np.nan)
+    return _kernels.bin_block(ranges, limits, runs, ranges.shape[1], statistics, held)[0]
+
+
+def test_bodies_run_as_plain_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without the compiler the kernels give the same values."""
+    ranges = np.array([[0.5, math.inf, 0.0, 3.0], [math.nan, 9.0, -1.0, 0.01]] * 9, np.float32)
+    limits = np.array(LIMITS["drop"], np.float32)
+    runs = np.array([[3, 5], [1, 3], [0, 0], [0, 4]])
+    stamps, rows = np.arange(4), np.array([[3.0], [1.0], [2.0], [4.0]])
+    asked = (STATISTICS, STATISTICS[:1], STATISTICS[2:3])
+    compiled = [run_bins(ranges, limits, runs, statistics) for statistics in asked]
+    cleaned = _kernels.clean_block(ranges, limits)
+    minima = _kernels.window_minimum(stamps, rows, 1, 1)
+    for name in dir(_kernels):
+        kernel = getattr(_kernels, name)
+        if hasattr(kernel, "py_func"):
+            monkeypatch.setattr(_kernels, name, kernel.py_func)
+
+    with np.errstate(invalid="ignore"):
+        plain = [run_bins(ranges, limits, runs, statistics) for statistics in asked]
+
+    for i in range(len(asked)):
+        np.testing.assert_array_equal(plain[i], compiled[i])
+    for found, wanted in zip(_kernels.clean_block(ranges, limits), cleaned, strict=True):
+        np.testing.assert_array_equal(found, wanted)
+    np.testing.assert_array_equal(_kernels.window_minimum(stamps, rows, 1, 1), minima)

@@ -1,0 +1,172 @@
+"""First bytes decide what a file is; every path that is no log gives one line."""
+
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+import zstandard
+
+from mpap_cli.errors import LogError
+from mpap_cli.logs.reader import READERS, LogReader, open_log
+
+Rows = Sequence[tuple[str, int, str]]
+WriteLog = Callable[[str, Rows], Path]
+
+START_NS = 1_700_000_000_000_000_000
+# Stamps go back now and then, by less and by more than a chunk.
+ROWS = [
+    (
+        ("/left", "/right", "/rare")[0 if number % 7 else 2 if number % 2 else 1],
+        START_NS + 1_000 * number - (20_000 if number % 11 == 5 else 0),
+        f"message number {number}",
+    )
+    for number in range(120)
+]
+IN_ORDER = sorted(ROWS, key=lambda row: row[1])
+
+
+def read(
+    reader: LogReader, topics: Sequence[str] | None = None, **window: int
+) -> list[tuple[str, int, str]]:
+    """Return the rows that were written."""
+    names = [topic.name for topic in reader.topics] if topics is None else topics
+    return [
+        (message.topic.name, message.stamp_ns, text_of(reader.decode(message)))
+        for message in reader.messages(names, **window)
+    ]
+
+
+def text_of(decoded: object) -> str:
+    """Return the text of a decoded string message."""
+    found: str = decoded["data"] if isinstance(decoded, dict) else vars(decoded)["data"]
+    return found
+
+
+@pytest.mark.parametrize(
+    ("kind", "container"),
+    [
+        ("bag-lz4", "bag"),
+        ("mcap-zstd", "mcap"),
+        ("sqlite3-file", "rosbag2/sqlite3"),
+        ("folder-mcap-file", "rosbag2/mcap"),
+    ],
+)
+def test_container_is_named(write_log: WriteLog, kind: str, container: str) -> None:
+    """By the files inside, packed or not."""
+    with open_log(write_log(kind, ROWS)) as reader:
+        found = reader.container
+
+    assert found == container
+
+
+@pytest.mark.parametrize("kind", ["bag-none", "mcap-lz4"])
+def test_first_bytes_decide_not_the_suffix(write_log: WriteLog, kind: str) -> None:
+    """A log is read under whatever name."""
+    path = write_log(kind, ROWS)
+    renamed = path.rename(path.with_name("log.db3"))
+
+    with open_log(renamed) as reader:
+        found = read(reader)
+
+    assert found == IN_ORDER
+
+
+def test_bare_database_is_read(write_log: WriteLog) -> None:
+    """A .db3 taken out of its folder, also where its messages are packed one by one."""
+    for kind in ("sqlite3", "sqlite3-message"):
+        path = write_log(kind, ROWS) / "log.db3"
+
+        with open_log(path) as reader:
+            found = read(reader)
+
+        assert found == IN_ORDER
+        assert reader.container == "sqlite3"
+
+
+@pytest.mark.parametrize("kind", ["sqlite3-file", "folder-mcap-file"])
+def test_packed_file_is_said_to_be_unpacked(write_log: WriteLog, kind: str) -> None:
+    """It needs room on the disk."""
+    with open_log(write_log(kind, ROWS)) as reader:
+        found = reader.warnings
+
+    assert len(found) == 1
+    assert "unpacked to a temporary folder" in found[0]
+
+
+def test_every_container_has_a_reader() -> None:
+    """The table names all containers of single files."""
+    assert set(READERS) == {"bag", "mcap", "sqlite3"}
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "text"),
+    [
+        ("zero.bag", b"", r"^zero\.bag: the file is empty$"),
+        ("zero.mcap", b"", "the file is empty"),
+        ("zero.db3", b"", "the file is empty"),
+        ("a.bag", b"version https://git-lfs.github.com/spec/v1\noid", "git lfs pull"),
+        ("notes.txt", b"Dear diary", "neither a ROS bag, a rosbag2 database nor an MCAP file"),
+        ("x.db3", b"SQLite format 3\x00 and no more", "the database is broken"),
+        ("x.mcap.zstd", b"\x28\xb5\x2f\xfd and no more", "zstd cannot unpack it"),
+    ],
+)
+def test_file_that_is_no_log(tmp_path: Path, name: str, content: bytes, text: str) -> None:
+    """One line that names the file and the reason."""
+    path = tmp_path / name
+    path.write_bytes(content)
+
+    with pytest.raises(LogError, match=text) as raised:
+        open_log(path)
+
+    assert "\n" not in str(raised.value)
+
+
+def test_missing_file(tmp_path: Path) -> None:
+    """The path is named as it was given."""
+    with pytest.raises(LogError, match=r"gone\.bag: no such file or directory"):
+        open_log(tmp_path / "gone.bag")
+
+
+def test_log_that_disappears_while_it_is_read(write_log: WriteLog) -> None:
+    """It is an error of the log, not of the program."""
+    path = write_log("bag-none", ROWS)
+
+    with open_log(path) as reader:
+        path.unlink()
+        with pytest.raises(LogError, match="cannot be read any more"):
+            read(reader)
+
+
+def test_file_packed_twice(write_log: WriteLog, tmp_path: Path) -> None:
+    """Nobody does that on purpose."""
+    packed = zstandard.compress(zstandard.compress(write_log("mcap-none", ROWS).read_bytes()))
+    path = tmp_path / "log.mcap.zstd"
+    path.write_bytes(packed)
+
+    with pytest.raises(LogError, match="packed twice"):
+        open_log(path)
+
+
+def test_packed_file_that_is_cut(write_log: WriteLog) -> None:
+    """What comes out is read."""
+    folder = write_log("folder-mcap-file", ROWS * 200)
+    path = folder / "log.mcap.zstd"
+    path.write_bytes(path.read_bytes()[:-400])
+
+    with open_log(path) as reader:
+        n_found = sum(1 for _ in reader.messages(["/left"]))
+
+    assert n_found > 1000
+    assert [damage.kind for damage in reader.damage] == ["truncated"]
+
+
+def test_no_room_for_unpacking(
+    write_log: WriteLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The error names the way out."""
+    path = write_log("sqlite3-file", ROWS)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "none"))
+
+    with pytest.raises(LogError, match=r"temporary folder: .*TMPDIR"):
+        open_log(path)
