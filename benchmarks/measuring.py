@@ -78,11 +78,11 @@ def in_turns(works: Sequence[Callable[[], object]], repeats: int) -> list[tuple[
     return [tuple(times) for times in zip(*turns, strict=True)]
 
 
-def simulated(folder: Path, world: str, hours: float = 1.0, seed: int = 1) -> Path:
+def simulated(folder: Path, world: str, minutes: int = 60, seed: int = 1) -> Path:
     """Return a simulated log with a bumper of type Bool; it is written once a run."""
-    path = folder / f"{world}-{hours:g}h-{seed}.mcap"
+    path = folder / f"{world}-{minutes}min-{seed}.mcap"
     if not path.exists():
-        words = {"world": world, "duration": 3600 * hours, "seed": seed, "bumper": "bool"}
+        words = {"world": world, "duration": 60 * minutes, "seed": seed, "bumper": "bool"}
         options = [word for name, value in words.items() for word in (f"--{name}", str(value))]
         run_child([MPAP, "simulate", str(path), *options])
     return path

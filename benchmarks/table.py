@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from statistics import median
 
 COLUMNS = ("work", "mpap", "beside", "", "ratio", "spread", "goal", "met")
-_WIDTHS = (46, 11, 38, 11, 8, 15, 9, 3)
+_WIDTHS = (46, 10, 38, 10, 7, 15, 8, 3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

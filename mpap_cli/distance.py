@@ -81,7 +81,9 @@ def squared_distances(
     left, right = np.asarray(points, np.float64), np.asarray(others, np.float64)
     small = left.size * len(right) <= _FEW_STEPS
     squared = _sums_of_squares(left, right) if small else _cdist(left, right)
-    return 0.5 * squared if normalised else squared
+    if normalised:
+        squared *= 0.5
+    return squared
 
 
 def _sums_of_squares(points: Float64Array, others: Float64Array) -> Float64Array:

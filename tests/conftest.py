@@ -1,8 +1,9 @@
 """Logs for tests: recorded ones that MPAP_SHARED names, and small ones written on the spot."""
 
 import json
+import logging
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,15 @@ def shared_logs() -> Path:
     if not logs.is_dir():
         pytest.fail(f"MPAP_SHARED: {logs} is missing")
     return logs
+
+
+@pytest.fixture(autouse=True)
+def fresh_talk() -> Iterator[None]:
+    """Undo what a command line has set for the talk on stderr."""
+    yield
+    logger = logging.getLogger("mpap_cli")
+    logger.setLevel(logging.NOTSET)
+    logger.handlers = []
 
 
 def encode(encoding: str, text: str) -> bytes:

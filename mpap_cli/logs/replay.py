@@ -79,7 +79,7 @@ class Replay:
 
     Notes
     -----
-    A batch ends after ``block_scans`` scans or 10 s, whatever comes first; a block in it
+    A batch ends after ``block_scans`` scans or two minutes, whatever comes first; a block in it
     ends where the geometry changes. Only the first message of a sensor and its changes
     become bumps; of pulses every touch. A cut that misses the log gives no batch, and one
     warning. With ``header`` stamps messages may come out of order: they are sorted within

@@ -11,7 +11,7 @@ from mpap_cli.logs.runs import END_NS
 from mpap_cli.logs.scan_runs import ScanPiece
 from mpap_cli.observations import NS_PER_S, Batch, BoolArray, Bump, ScanBlock
 
-_MAX_SPAN_NS = 10 * NS_PER_S
+_MAX_SPAN_NS = 120 * NS_PER_S
 
 
 class Arrivals:
@@ -73,12 +73,13 @@ class Window:
         """Take events in; none may lie in a batch that is gone."""
         self._scans = _in_order([*self._scans, *(piece for piece in scans if len(piece.stamps_ns))])
         merged = BumpPiece(*np.concatenate([np.array(piece) for piece in (self._bumps, *bumps)], 1))
-        self._bumps = merged.rows(np.argsort(merged.stamps_ns, kind="stable"))
+        self._bumps = merged.rows(np.lexsort((merged.recorded_ns, merged.stamps_ns)))
 
     def batches(self, settled_ns: int) -> Iterator[Batch]:
         """Take out the batches that are complete if nothing comes stamped before a moment.
 
-        Bumps of several topics with one stamp are in the order in which they were added.
+        Bumps with one stamp are in the order of their log time; where that is one too,
+        in the order in which they were added.
         """
         while self._scans or len(self._bumps.codes):
             last_ns = self._last_moment()

@@ -145,15 +145,19 @@ def take_events(played: Played, events: list[tuple[int, int, Any]], topics: list
         if stamp_ns < latest_ns - MARGIN_NS:
             played.skipped["stamped before what came earlier"] += 1
         else:
-            kept.append((stamp_ns, event))
+            kept.append((recorded_ns, event))
     states: dict[str, bool] = {}
     several = len(topics) > 1
     played.scans = sorted((e for _, e in kept if not isinstance(e, Bump)), key=lambda e: e[0])
-    bumps = [event for _, event in kept if isinstance(event, Bump)]
-    for bump in sorted(
-        bumps,
-        key=lambda bump: (bump.stamp_ns, topics.index(bump.sensor.split(":")[0]) if several else 0),
-    ):
+    bumps = [(recorded_ns, event) for recorded_ns, event in kept if isinstance(event, Bump)]
+    bumps.sort(
+        key=lambda bump: (
+            bump[1].stamp_ns,
+            bump[0],
+            topics.index(bump[1].sensor.split(":")[0]) if several else 0,
+        )
+    )
+    for _, bump in bumps:
         if states.get(bump.sensor) is not bump.pressed:
             states[bump.sensor] = bump.pressed
             played.bumps.append(bump)

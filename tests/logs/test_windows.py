@@ -63,7 +63,7 @@ def test_nothing_is_lost_and_batches_follow_one_another(
     assert [t for _, in_bumps in came for t in in_bumps] == sorted(touched)
     for batch, (in_scans, in_bumps) in zip(batches, came, strict=True):
         assert batch.until_ns == max(in_scans + in_bumps)
-        assert batch.until_ns - min(in_scans + in_bumps) <= 10 * NS_PER_S
+        assert batch.until_ns - min(in_scans + in_bumps) <= 1200 * NS_PER_S
         assert len([t for t in in_scans if t < in_scans[-1]]) < size
     for batch, (in_scans, in_bumps) in zip(batches, came[1:], strict=False):
         assert all(t > batch.until_ns for t in (*in_scans, *in_bumps))
@@ -88,7 +88,7 @@ def test_each_sensor_has_a_state_of_its_own() -> None:
     """What repeats the state of its sensor is left out, also over batches and topics."""
     window = Window(9, {"/a": 0, "/b": 1}, changes_only=True)
     window.add([], [*bumps([0, 2, 4], [1, 1, 0]), *bumps([1, 3, 5], [2, 3, 3])])
-    window.add([], bumps([20 * NS_PER_S, 20 * NS_PER_S + 1], [0, 1]))
+    window.add([], bumps([200 * NS_PER_S, 200 * NS_PER_S + 1], [0, 1]))
 
     batches = list(window.batches(END_NS))
 
@@ -99,7 +99,7 @@ def test_each_sensor_has_a_state_of_its_own() -> None:
         Bump(1, "/b", pressed=False),
         Bump(3, "/b", pressed=True),
         Bump(4, "/a", pressed=False),
-        Bump(20 * NS_PER_S + 1, "/a", pressed=True),
+        Bump(200 * NS_PER_S + 1, "/a", pressed=True),
     ]
 
 
