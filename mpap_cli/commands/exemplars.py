@@ -12,6 +12,7 @@ from mpap_cli.logs.frames import read_frame
 from mpap_cli.logs.reader import LogReader, expand_paths, open_log
 from mpap_cli.logs.topics import choose_roles
 from mpap_cli.observations import NS_PER_S, ObservedLog, ScanBlock
+from mpap_cli.outputs.recording import blocks_around, read_recording
 from mpap_cli.outputs.scan_pictures import ExemplarPicture, write_exemplars
 from mpap_cli.systems.cluster_rows import ClusterRow
 
@@ -21,7 +22,7 @@ SAME_MOMENT_NS = NS_PER_S // 5
 def draw_exemplars(
     path: Path,
     clusters: Sequence[ClusterRow],
-    observed: Sequence[ObservedLog],
+    recording: Path,
     selection: LogSelection,
 ) -> None:
     """Draw exemplars.png (Fig. 11).
@@ -32,18 +33,19 @@ def draw_exemplars(
         PNG to write.
     clusters : sequence of ClusterRow
         Those whose exemplars lie in logs of an older run are left out.
-    observed : sequence of ObservedLog
-        The logs that have just been read.
+    recording : Path
+        Scans of the logs that have just been read.
     selection : LogSelection
         The same logs, for the images.
     """
     rows = {(row.exemplar_log, row.exemplar_stamp_ns): row for row in clusters}
     images = _images(selection, {key[1] for key in rows}) if rows else {}
+    observed = read_recording(recording)
+    stamps_ns = np.array([stamp_ns for _, stamp_ns in rows], dtype=np.int64)
     pictures = [
-        _picture(row, log, block, index, images)
-        for log in observed
-        for block in log.blocks()
-        for index, row in _exemplars_in(log, block, rows)
+        _picture(row, observed[log], block, index, images)
+        for log, block in blocks_around(recording, stamps_ns)
+        for index, row in _exemplars_in(observed[log], block, rows)
     ]
     write_exemplars(path, pictures)
 

@@ -110,7 +110,7 @@ def learn(
         clusters = model.clusters()
         write_csv(results.path(CLUSTERS), ClusterRow, clusters)
         save_model(results.path(MODEL), model)
-        draw_exemplars(results.path(EXEMPLARS), clusters, observed, selection)
+        draw_exemplars(results.path(EXEMPLARS), clusters, recording, selection)
         if not request.keep_recording:
             recording.unlink()
         values = selection.values(model.settings)

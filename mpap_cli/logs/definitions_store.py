@@ -7,6 +7,7 @@ that come with mpap, else from the standard types of the ROS distribution.
 import json
 import re
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -122,9 +123,7 @@ class DefinitionsStore:
 
     def _collect(self, topic: Topic, own: "Typesdict") -> "Typesdict":
         """Take a type and the types of its fields, each from the first place that has it."""
-        from rosbags.typesys import get_typestore  # noqa: PLC0415
-
-        standard = get_typestore(_standard_store(topic.encoding, self._ros_distro)).fielddefs
+        standard = _standard_types(topic.encoding, self._ros_distro)
         found: Typesdict = {}
         wanted = [topic.msgtype]
         while wanted:
@@ -183,13 +182,15 @@ def _ros_decoder(store: "Typestore", topic: Topic) -> Decode:
     return decode
 
 
-def _standard_store(encoding: str, ros_distro: str) -> Any:
-    """Return the name of the store that holds a distribution's types."""
-    from rosbags.typesys import Stores  # noqa: PLC0415
+@cache
+def _standard_types(encoding: str, ros_distro: str) -> "Typesdict":
+    """Return the types of a distribution."""
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
 
-    if encoding == "ros1":
-        return Stores.ROS1_NOETIC
-    return Stores.__members__.get(f"ROS2_{ros_distro.upper()}", Stores.ROS2_HUMBLE)
+    store = Stores.ROS1_NOETIC
+    if encoding != "ros1":
+        store = Stores.__members__.get(f"ROS2_{ros_distro.upper()}", Stores.ROS2_HUMBLE)
+    return get_typestore(store).fielddefs
 
 
 def _type_of(path: Path) -> str:

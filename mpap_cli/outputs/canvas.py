@@ -1,7 +1,5 @@
 """Drawing with OpenCV: colours that the colour-blind can tell apart, text, one file."""
 
-import struct
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -155,17 +153,7 @@ def write_png(path: Path, image: Image) -> None:
     OSError
         If the file cannot be written.
     """
-    height, width = image.shape[:2]
-    # unfiltered rows pack best where a picture is drawn, not photographed
-    rows = np.zeros((height, 1 + 3 * width), dtype=np.uint8)
-    rows[:, 1:] = cv2.cvtColor(image, cv2.COLOR_BGR2RGB).reshape(height, -1)
-    header = struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0)  # 8 bits, RGB
-    packed = zlib.compress(rows.data, level=3)
-    parts = (_png_part(b"IHDR", header), _png_part(b"IDAT", packed), _png_part(b"IEND", b""))
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(parts))
-
-
-def _png_part(kind: bytes, content: bytes) -> bytes:
-    """Return a part of a PNG with its length and checksum around it."""
-    check = zlib.crc32(content, zlib.crc32(kind))
-    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", check)
+    # unfiltered rows pack best, and fastest, where a picture is drawn, not photographed
+    options = [cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_NONE, cv2.IMWRITE_PNG_COMPRESSION, 3]
+    _, packed = cv2.imencode(".png", image, options)
+    path.write_bytes(packed.tobytes())

@@ -14,8 +14,10 @@ from pathlib import Path, PurePath
 from types import TracebackType
 from typing import Any, NoReturn, Self
 
+import numpy as np
+
 from mpap_cli.errors import ModelError
-from mpap_cli.observations import ObservedLog, Press, ScanBlock
+from mpap_cli.observations import IntArray, ObservedLog, Press, ScanBlock
 from mpap_cli.outputs.array_members import (
     open_members,
     read_array,
@@ -229,6 +231,28 @@ def _blocks(
             msg = f"{path}: has been replaced while it was read; start again"
             raise ModelError(msg)
         for chunk in range(record["chunks"]):
-            name = _chunk(index, chunk)
-            arrays = [read_array(archive, f"{name}/{part}") for part in ARRAYS]
-            yield from unpack(make_chunk(arrays, len(record["frames"])), record["frames"])
+            yield from _chunk_blocks(archive, _chunk(index, chunk), record["frames"])
+
+
+def _chunk_blocks(archive: zipfile.ZipFile, name: str, frames: list[str]) -> Iterator[ScanBlock]:
+    """Yield the blocks of one chunk."""
+    arrays = [read_array(archive, f"{name}/{part}") for part in ARRAYS]
+    yield from unpack(make_chunk(arrays, len(frames)), frames)
+
+
+def blocks_around(path: Path, stamps_ns: IntArray) -> Iterator[tuple[int, ScanBlock]]:
+    """Yield the blocks near some scans with the index of their log; other ranges are not read.
+
+    Raises
+    ------
+    ModelError
+        As :func:`read_recording`.
+    """
+    with open_members(path, _WHAT) as archive:
+        for index in range(read_record(archive, _WHAT)["logs"]):
+            log = read_record(archive, f"{_folder(index)}/log")
+            for chunk in range(log["chunks"]):
+                name = _chunk(index, chunk)
+                if np.isin(stamps_ns, read_array(archive, f"{name}/{ARRAYS[0]}")).any():
+                    for block in _chunk_blocks(archive, name, log["frames"]):
+                        yield index, block
