@@ -13,8 +13,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from mpap_cli.logs.files.runs import MAX_STAMP_NS
 from mpap_cli.logs.raw import RawMessage
-from mpap_cli.logs.runs import MAX_STAMP_NS
 from mpap_cli.observations import NS_PER_S, Float32Array, FloatArray, ScanGeometry
 
 TimeSource = Literal["log", "header"]

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mpap_cli.errors import LogError
-from mpap_cli.logs.containers import READERS, open_file
-from mpap_cli.logs.definitions_store import DefinitionsStore
+from mpap_cli.logs.files.containers import READERS, open_file
+from mpap_cli.logs.files.definitions_store import DefinitionsStore
+from mpap_cli.logs.files.log_stream import LogStream
+from mpap_cli.logs.files.ros2 import METADATA, Folder, open_folder, storage_files
+from mpap_cli.logs.files.sqlite import UNFINISHED
 from mpap_cli.logs.raw import Damage, LogReader, PayloadError, RawMessage, Reading, Topic
-from mpap_cli.logs.recording import Recording
-from mpap_cli.logs.ros2 import METADATA, Folder, open_folder, storage_files
-from mpap_cli.logs.sqlite import UNFINISHED
 
 __all__ = [
     "READERS",
@@ -60,7 +60,7 @@ def open_log(path: Path, *, msgs: Sequence[Path] = (), strict: bool = False) -> 
             kind, file = open_file(path, reading)
             folder = Folder(kind, (file,), {}, "")
         distro = folder.ros_distro or folder.files[0].ros_distro
-        return Recording(path, folder, reading, DefinitionsStore(path.name, msgs, distro))
+        return LogStream(path, folder, reading, DefinitionsStore(path.name, msgs, distro))
     except OSError as err:
         reading.close()
         msg = f"{path.name}: cannot be read ({err.strerror or err})"

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mpap_cli.errors import SettingError
-from mpap_cli.logs.bumpers import BumpDecoder, BumpKind, BumpPiece
+from mpap_cli.logs.bumps.bumpers import BumpDecoder, BumpKind, BumpPiece
 from mpap_cli.logs.fields import FieldError, TimeSource, scan_view
+from mpap_cli.logs.files.runs import END_NS
 from mpap_cli.logs.listing import messages_of
 from mpap_cli.logs.raw import Damage, LogReader, RawRun, RunGroup
-from mpap_cli.logs.runs import END_NS
 from mpap_cli.logs.scan_runs import ScanPiece, read_scans
 from mpap_cli.logs.survey import is_broken, survey_beams
 from mpap_cli.logs.times import parse_time

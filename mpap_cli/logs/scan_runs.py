@@ -93,7 +93,7 @@ def _locate(run: RawRun) -> tuple[IntArray, list[ScanLayout], Counter[str]]:
     One message is read, and those that begin like it have its layout. Where new layouts
     keep coming, each message is read.
     """
-    from mpap_cli.logs import _kernels  # noqa: PLC0415  # numba is slow to import
+    from mpap_cli.logs.files import _kernels  # noqa: PLC0415  # numba is slow to import
 
     skipped: Counter[str] = Counter()
     layouts: list[ScanLayout] = []
@@ -129,7 +129,7 @@ def _mask(size: int, encoding: str) -> NDArray[np.uint8]:
 
 
 def _gather(records: bytes, places: IntArray, n_bytes: int) -> NDArray[np.uint8]:
-    from mpap_cli.logs import _kernels  # noqa: PLC0415  # numba is slow to import
+    from mpap_cli.logs.files import _kernels  # noqa: PLC0415  # numba is slow to import
 
     return _kernels.gather(records, places, n_bytes)
 

@@ -7,8 +7,8 @@ import re
 from dataclasses import dataclass
 
 from mpap_cli.errors import UsageError
-from mpap_cli.logs.bump_topics import BumpRole, BumpsFound, ask_for_bumps, find_bumps
-from mpap_cli.logs.bumpers import BumperRule
+from mpap_cli.logs.bumps.bump_topics import BumpRole, BumpsFound, ask_for_bumps, find_bumps
+from mpap_cli.logs.bumps.bumpers import BumperRule
 from mpap_cli.logs.fields import SCAN_ENCODINGS
 from mpap_cli.logs.listing import DECODED, list_topics
 from mpap_cli.logs.raw import LogReader, Topic

@@ -6,8 +6,8 @@ from operator import attrgetter
 
 import numpy as np
 
-from mpap_cli.logs.bumpers import BumpPiece
-from mpap_cli.logs.runs import END_NS
+from mpap_cli.logs.bumps.bumpers import BumpPiece
+from mpap_cli.logs.files.runs import END_NS
 from mpap_cli.logs.scan_runs import ScanPiece
 from mpap_cli.observations import NS_PER_S, Batch, BoolArray, Bump, ScanBlock
 

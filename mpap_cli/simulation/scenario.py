@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mpap_cli.errors import OutputError
-from mpap_cli.logs.writer import LogWriter
+from mpap_cli.logs.writing.writer import LogWriter
 from mpap_cli.observations import NS_PER_S
 from mpap_cli.simulation import messages
 from mpap_cli.simulation.bumper import Bumper

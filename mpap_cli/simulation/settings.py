@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mpap_cli.errors import SettingError
-from mpap_cli.logs.writer import check_container
+from mpap_cli.logs.writing.writer import check_container
 from mpap_cli.observations import NS_PER_S
 from mpap_cli.simulation.bumper import Faults
 from mpap_cli.simulation.bumper_messages import BUMPER_TYPES
@@ -54,7 +54,7 @@ class SimulationParams:
     world_seed : int, optional
         Of the world (default: the seed); logs of one world differ in their seed.
     container : str
-        A key of ``mpap_cli.logs.storages.CONTAINERS``.
+        A key of ``mpap_cli.logs.writing.storages.CONTAINERS``.
     compression : str, optional
         One of the container's compressions (default: its first).
     bumper : str, optional

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from mpap_cli.cli.main import main
-from mpap_cli.logs.writer import LogWriter
+from mpap_cli.logs.writing.writer import LogWriter
 
 SCAN = "sensor_msgs/msg/LaserScan"
 BOOL = "std_msgs/msg/Bool"

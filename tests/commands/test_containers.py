@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from mpap_cli.commands.simulate import simulate
-from mpap_cli.logs.storages import CONTAINERS
+from mpap_cli.logs.writing.storages import CONTAINERS
 from mpap_cli.outputs.recording import read_recording
 from mpap_cli.simulation.bumper_messages import BUMPER_TYPES
 from tests.commands.running import digest_of, done, rows_of, total

@@ -9,10 +9,10 @@ from typing import Any, Self
 import pytest
 from rosbags.serde import SerdeError
 
-from mpap_cli.logs.bumpers import BUMPER_RULES, BumpDecoder, BumperRule
-from mpap_cli.logs.encoding import RosEncoder
+from mpap_cli.logs.bumps.bumpers import BUMPER_RULES, BumpDecoder, BumperRule
+from mpap_cli.logs.files.runs import group_messages
 from mpap_cli.logs.raw import Damage, LogReader, PayloadError, RawMessage, RunGroup, Topic
-from mpap_cli.logs.runs import group_messages
+from mpap_cli.logs.writing.encoding import RosEncoder
 from mpap_cli.observations import Bump
 from mpap_cli.params import BumperParams
 

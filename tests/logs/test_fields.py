@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from mpap_cli.logs.encoding import RosEncoder
 from mpap_cli.logs.fields import FieldError, read_scan, scan_view
 from mpap_cli.logs.raw import RawMessage, Topic
+from mpap_cli.logs.writing.encoding import RosEncoder
 from mpap_cli.observations import Float32Array, ScanGeometry
 
 LASER_SCAN = "sensor_msgs/msg/LaserScan"

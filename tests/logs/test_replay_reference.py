@@ -13,14 +13,14 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from mcap.writer import Writer as McapWriter
 
-from mpap_cli.logs import storages
-from mpap_cli.logs.expression import field_values, parse_expression
+from mpap_cli.logs.bumps.expression import field_values, parse_expression
 from mpap_cli.logs.fields import FieldError, read_scan
 from mpap_cli.logs.raw import LogReader, PayloadError, RawMessage
 from mpap_cli.logs.reader import open_log
 from mpap_cli.logs.replay import Replay, ReplayOptions
 from mpap_cli.logs.topics import Roles, TopicChoice, choose_roles
-from mpap_cli.logs.writer import LogWriter
+from mpap_cli.logs.writing import storages
+from mpap_cli.logs.writing.writer import LogWriter
 from mpap_cli.observations import NS_PER_S, Bump
 from mpap_cli.params import BumperParams
 

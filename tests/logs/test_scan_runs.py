@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mpap_cli.logs.encoding import RosEncoder
 from mpap_cli.logs.fields import FieldError, read_scan
+from mpap_cli.logs.files.runs import group_messages
 from mpap_cli.logs.raw import RawMessage, RawRun, Topic
-from mpap_cli.logs.runs import group_messages
 from mpap_cli.logs.scan_runs import header_stamps, read_scans
+from mpap_cli.logs.writing.encoding import RosEncoder
 from mpap_cli.observations import Float32Array
 
 LASER_SCAN = "sensor_msgs/msg/LaserScan"

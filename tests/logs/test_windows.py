@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpap_cli.logs.bumpers import BumpPiece
-from mpap_cli.logs.runs import END_NS
+from mpap_cli.logs.bumps.bumpers import BumpPiece
+from mpap_cli.logs.files.runs import END_NS
 from mpap_cli.logs.scan_runs import ScanPiece
 from mpap_cli.logs.windows import Arrivals, Window
 from mpap_cli.observations import NS_PER_S, Batch, Bump, ScanGeometry

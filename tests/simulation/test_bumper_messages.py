@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from mpap_cli.logs.encoding import JsonEncoder, RosEncoder
+from mpap_cli.logs.writing.encoding import JsonEncoder, RosEncoder
 from mpap_cli.simulation.bumper import SwitchChange
 from mpap_cli.simulation.bumper_messages import BUMPER_TYPES, BumperTopic
 from mpap_cli.simulation.messages import json_header, ros_header

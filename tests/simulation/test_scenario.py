@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
 from mpap_cli.errors import OutputError
-from mpap_cli.logs.storages import CONTAINERS
+from mpap_cli.logs.writing.storages import CONTAINERS
 from mpap_cli.observations import NS_PER_S, BoolArray, Float32Array, IntArray
 from mpap_cli.simulation import scenario
 from mpap_cli.simulation.bumper import Faults

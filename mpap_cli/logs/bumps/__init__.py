@@ -1,0 +1,1 @@
+"""Bumper topics: which they are, what their messages say."""

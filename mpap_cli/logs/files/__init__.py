@@ -1,0 +1,1 @@
+"""Files of a log: bytes on disk become raw messages in time order, damaged ones too."""

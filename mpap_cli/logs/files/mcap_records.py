@@ -1,0 +1,164 @@
+"""Records of MCAP files, out of the file and out of chunks."""
+
+import struct
+import zlib
+from collections.abc import Iterator, Mapping
+from io import BytesIO
+from typing import BinaryIO
+
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Channel, Schema
+
+from mpap_cli.logs.files.chunks import BrokenRecordError, Span, read_up_to, seek_to
+from mpap_cli.logs.files.compression import decompress
+from mpap_cli.logs.raw import Topic, ros2_name
+from mpap_cli.observations import IntArray
+
+MAGIC = b"\x89MCAP0\r\n"
+RECORD = struct.Struct("<BQ")
+
+_CHANNEL_AND_STAMP = struct.Struct("<H4xQ")
+_CHUNK = struct.Struct("<BQQQQII")
+_U64 = struct.Struct("<Q")
+_MAX_NAME_BYTES = 32
+_ROS_ENCODINGS = ("ros1", "cdr")
+_DEFINITION_FORMATS = {
+    "ros1msg": "ros1msg",
+    "ros2msg": "ros2msg",
+    "ros2idl": "ros2idl",
+    "omgidl": "ros2idl",
+    "jsonschema": "jsonschema",
+}
+
+
+def records_in(records: bytes) -> Iterator[tuple[int, int, int]]:
+    """Yield kind, begin and end of the content of every record.
+
+    Raises
+    ------
+    BrokenRecordError
+        After the last whole record, if more bytes follow.
+    """
+    end = 0
+    while end < len(records):
+        begin = end + RECORD.size
+        if begin > len(records):
+            msg = "a record is cut off"
+            raise BrokenRecordError(msg)
+        opcode, size = RECORD.unpack_from(records, end)
+        end = begin + size
+        if end > len(records):
+            msg = "a record is cut off"
+            raise BrokenRecordError(msg)
+        yield opcode, begin, end
+
+
+def parse_schema(content: bytes) -> Schema:
+    """Return a schema record.
+
+    Raises
+    ------
+    BrokenRecordError
+        If it does not follow the format.
+    """
+    try:
+        schema: Schema = Schema.read(ReadDataStream(BytesIO(content)))
+    except (McapError, struct.error, ValueError) as err:
+        msg = "a schema is broken"
+        raise BrokenRecordError(msg) from err
+    return schema
+
+
+def parse_channel(content: bytes) -> Channel:
+    """Return a channel record.
+
+    Raises
+    ------
+    BrokenRecordError
+        If it does not follow the format.
+    """
+    try:
+        channel: Channel = Channel.read(ReadDataStream(BytesIO(content)))
+    except (McapError, struct.error, ValueError) as err:
+        msg = "a channel is broken"
+        raise BrokenRecordError(msg) from err
+    return channel
+
+
+def parse_message(records: bytes, begin: int) -> tuple[int, int]:
+    """Return channel and stamp of the message whose content begins there.
+
+    Raises
+    ------
+    BrokenRecordError
+        If the bytes end before.
+    """
+    try:
+        channel, stamp_ns = _CHANNEL_AND_STAMP.unpack_from(records, begin)
+    except struct.error as err:
+        msg = "a message is cut off"
+        raise BrokenRecordError(msg) from err
+    return channel, stamp_ns
+
+
+def describe_channels(
+    channels: Mapping[int, Channel], schemas: Mapping[int, Schema]
+) -> dict[int, Topic]:
+    """Return the topic of every channel, without its count."""
+    topics = {}
+    for number, channel in channels.items():
+        schema = schemas.get(channel.schema_id)
+        name = schema.name if schema else ""
+        encoding = channel.message_encoding
+        form = _DEFINITION_FORMATS.get(schema.encoding, "") if schema else ""
+        text = schema.data.decode(errors="replace") if schema and form else ""
+        msgtype = ros2_name(name) if encoding in _ROS_ENCODINGS else name
+        topics[number] = Topic(channel.topic, msgtype, encoding, 0, text, form if text else "")
+    return topics
+
+
+class McapFormat:
+    """How an MCAP file stores records."""
+
+    def load(self, stream: BinaryIO, span: Span) -> tuple[bytes, str]:
+        """Return the records of a span, unpacked, and what is wrong with them ("": nothing)."""
+        try:
+            seek_to(stream, span.offset)
+            if span.loose_bytes:
+                return read_up_to(stream, span.loose_bytes), ""
+            compression, size, checksum, packed_size = _read_chunk_head(stream)
+        except BrokenRecordError as err:
+            return b"", str(err)
+        packed = read_up_to(stream, packed_size)
+        records, problem = decompress(compression, packed, size)
+        if len(packed) < packed_size:
+            return records, problem or "it is cut off"
+        if not problem and checksum and zlib.crc32(records) != checksum:
+            problem = "its checksum is wrong"
+        return b"" if problem else records, problem
+
+    def walk(self, records: bytes, wanted: IntArray) -> tuple[IntArray, bool]:
+        """Find messages of the wanted channels in unpacked records; tell whether all is whole."""
+        from mpap_cli.logs.files import _kernels  # noqa: PLC0415  # numba is slow to import
+
+        return _kernels.walk_mcap(records, wanted)
+
+
+def _read_chunk_head(stream: BinaryIO) -> tuple[str, int, int, int]:
+    """Return compression, size, checksum and packed size of the chunk that begins here."""
+    head = stream.read(_CHUNK.size)
+    if len(head) < _CHUNK.size:
+        msg = "its head is cut off"
+        raise BrokenRecordError(msg)
+    opcode, length, _, _, size, checksum, n_name = _CHUNK.unpack(head)
+    rest = stream.read(min(n_name, _MAX_NAME_BYTES) + _U64.size)
+    if opcode != Opcode.CHUNK or len(rest) != n_name + _U64.size:
+        msg = "its head is broken"
+        raise BrokenRecordError(msg)
+    (packed_size,) = _U64.unpack_from(rest, n_name)
+    if RECORD.size + length != _CHUNK.size + len(rest) + packed_size:
+        msg = "its head is broken"
+        raise BrokenRecordError(msg)
+    return rest[:n_name].decode(errors="replace"), size, checksum, packed_size

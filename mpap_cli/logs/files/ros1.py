@@ -1,0 +1,115 @@
+"""ROS 1 bags: opened by their index, or read through where that is missing."""
+
+import struct
+from pathlib import Path
+from typing import BinaryIO
+
+from mpap_cli.errors import LogError
+from mpap_cli.logs.files.bag_records import (
+    BAG_HEADER,
+    CHUNK_INFO,
+    CONNECTION,
+    FIRST_RECORD,
+    MAGIC,
+    BagFormat,
+    Fields,
+    parse_connection,
+    read_record,
+    read_time,
+    read_u32,
+)
+from mpap_cli.logs.files.chunks import (
+    BrokenRecordError,
+    ChunkedFile,
+    Index,
+    Span,
+    make_index,
+    seek_to,
+)
+from mpap_cli.logs.files.salvage import Scanned, scan_bag
+from mpap_cli.logs.raw import Damage, Reading
+
+_U64 = struct.Struct("<Q")
+_COUNT = struct.Struct("<II")
+
+
+def open_bag(path: Path, reading: Reading) -> ChunkedFile:
+    """Open a .bag file.
+
+    Parameters
+    ----------
+    path : Path
+        File that begins with the magic of bags.
+    reading : Reading
+        Gets the damage.
+
+    Returns
+    -------
+    ChunkedFile
+        Its messages, encoding ``ros1``.
+
+    Raises
+    ------
+    LogError
+        If the version is not 2.0, the bag is encrypted, or, read strictly, damaged.
+    """
+    with path.open("rb") as stream:
+        version = stream.readline(FIRST_RECORD)[len(MAGIC) :].strip().decode(errors="replace")
+        if version != "2.0":
+            msg = f"{path.name}: bag version {version!r}, expected '2.0'; use 'rosbag fix'"
+            raise LogError(msg)
+        try:
+            header, _ = read_record(stream, BAG_HEADER)
+            if header.get(b"encryptor"):
+                msg = f"{path.name}: the bag is encrypted; decrypt it with 'rosbag decrypt'"
+                raise LogError(msg)
+            index = _read_index(stream, header)
+        except BrokenRecordError:
+            scanned = scan_bag(stream)
+            reading.add_damage(_describe_damage(path.name, scanned))
+            index = scanned.found
+    return ChunkedFile(path, BagFormat(), index, reading)
+
+
+def _read_index(stream: BinaryIO, header: Fields) -> Index:
+    """Read the connections and the list of chunks at the end of the bag."""
+    try:
+        (position,) = _U64.unpack(header.get(b"index_pos", b""))
+    except struct.error as err:
+        msg = "the position of the index is broken"
+        raise BrokenRecordError(msg) from err
+    if position == 0:
+        msg = "there is no index"
+        raise BrokenRecordError(msg)
+    seek_to(stream, position)
+    n_connections = read_u32(header.get(b"conn_count", b""))
+    n_chunks = read_u32(header.get(b"chunk_count", b""))
+    records = (read_record(stream, CONNECTION) for _ in range(n_connections))
+    channels = dict(parse_connection(fields, content) for fields, content in records)
+    spans = [_read_chunk_info(*read_record(stream, CHUNK_INFO)) for _ in range(n_chunks)]
+    return make_index(channels, spans)
+
+
+def _read_chunk_info(fields: Fields, content: bytes) -> Span:
+    """Return where a chunk is and what it holds."""
+    try:
+        (offset,) = _U64.unpack(fields.get(b"chunk_pos", b""))
+        counts = dict(_COUNT.iter_unpack(content))
+    except struct.error as err:
+        msg = "the list of chunks is broken"
+        raise BrokenRecordError(msg) from err
+    first, last = read_time(fields.get(b"start_time", b"")), read_time(fields.get(b"end_time", b""))
+    return Span(offset, first, last, {number: n for number, n in counts.items() if n})
+
+
+def _describe_damage(name: str, scanned: Scanned) -> Damage:
+    """Say what is wrong with a bag that was read through."""
+    found = sum(topic.n_messages for topic in scanned.found.channels.values())
+    if scanned.whole:
+        text = f"{name}: the bag has no usable index; all {found:,} messages found are used"
+        return Damage(name, "unindexed", found, text)
+    text = (
+        f"{name}: the bag is cut off or broken at byte {scanned.stop:,}; "
+        f"the {found:,} whole messages before are used"
+    )
+    return Damage(name, "truncated", found, text)

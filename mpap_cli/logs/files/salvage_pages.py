@@ -1,0 +1,170 @@
+"""Rows out of the pages of a broken rosbag2 database, whatever became of its trees.
+
+The tree that leads to the rows may hang on a page that is lost, so every page is looked at:
+https://www.sqlite.org/fileformat2.html, sections 1.6 and 2.1.
+"""
+
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+from mpap_cli.logs.files.chunks import BrokenRecordError, file_size
+
+Row = tuple[int, int, int, bytes]
+
+HEADER_BYTES = 100
+_LEAF = 0x0D
+_LEAF_HEADER_BYTES = 8
+_LARGEST_PAGE = 65_536
+_SMALLEST_PAGE = 512
+_INTEGER_BYTES = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 8: 0, 9: 0}
+_FIRST_BLOB = 12
+_LONGEST_VARINT = 9
+_U16 = struct.Struct(">H")
+_U32 = struct.Struct(">I")
+
+
+class Pages(NamedTuple):
+    """Sizes of a database: of a page, of its part in use, and how many pages are there whole."""
+
+    size: int
+    usable: int
+    number: int
+
+
+def read_sizes(stream: BinaryIO) -> Pages:
+    """Read the sizes from the header of a database.
+
+    Raises
+    ------
+    BrokenRecordError
+        If there is no whole header, or it is nonsense.
+    """
+    stream.seek(0)
+    header = stream.read(HEADER_BYTES)
+    if len(header) == HEADER_BYTES:
+        (size,) = _U16.unpack_from(header, 16)
+        size = _LARGEST_PAGE if size == 1 else size
+        usable = size - header[20]
+        if size >= _SMALLEST_PAGE and size & (size - 1) == 0 and usable >= _SMALLEST_PAGE - 32:
+            return Pages(size, usable, file_size(stream) // size)
+    msg = "the header of the database is broken"
+    raise BrokenRecordError(msg)
+
+
+def rows_in_pages(path: Path) -> Iterator[Row]:
+    """Yield id, topic, stamp and payload of every whole message in a database.
+
+    Parameters
+    ----------
+    path : Path
+        The database, cut off or broken in whatever way.
+
+    Yields
+    ------
+    tuple of int, int, int, bytes
+        In the order of pages; an id may come twice.
+
+    Raises
+    ------
+    BrokenRecordError
+        If its header is broken.
+    """
+    with path.open("rb") as stream:
+        pages = read_sizes(stream)
+        for number in range(2, pages.number + 2):
+            page = _read_page(stream, pages, number)
+            if len(page) < _LEAF_HEADER_BYTES or page[0] != _LEAF:
+                continue
+            (n_cells,) = _U16.unpack_from(page, 3)
+            if _LEAF_HEADER_BYTES + 2 * n_cells > len(page):
+                continue
+            for place in struct.unpack_from(f">{n_cells}H", page, _LEAF_HEADER_BYTES):
+                try:
+                    row = _parse_cell(stream, pages, page, place)
+                except (BrokenRecordError, IndexError, struct.error):
+                    continue
+                if row is not None:
+                    yield row
+
+
+def _read_page(stream: BinaryIO, pages: Pages, number: int) -> bytes:
+    """Return the part in use of a page, or what is left of it; pages count from 1."""
+    stream.seek((number - 1) * pages.size)
+    return stream.read(pages.usable)
+
+
+def _varint(text: bytes, position: int) -> tuple[int, int]:
+    """Return the number that begins there, and where it ends."""
+    value = 0
+    for count in range(1, _LONGEST_VARINT):
+        byte = text[position]
+        position += 1
+        value = value << 7 | byte & 0x7F
+        if byte < 0x80:  # noqa: PLR2004  # the highest bit says that more follows
+            return value, position
+        if count == _LONGEST_VARINT - 1:
+            break
+    return value << 8 | text[position], position + 1
+
+
+def _parse_cell(stream: BinaryIO, pages: Pages, page: bytes, place: int) -> Row | None:
+    """Return the message in a cell; None if it is a row of another table."""
+    size, place = _varint(page, place)
+    number, place = _varint(page, place)
+    if not 0 < size <= pages.size * (pages.number + 1):
+        return None
+    largest = pages.usable - 35
+    if size <= largest:
+        record = page[place : place + size]
+        return _parse_record(record, number) if len(record) == size else None
+    smallest = (pages.usable - 12) * 32 // 255 - 23
+    local = smallest + (size - smallest) % (pages.usable - 4)
+    local = local if local <= largest else smallest
+    parts = [page[place : place + local]]
+    if _parse_types(parts[0]) is None:
+        return None
+    (following,) = _U32.unpack_from(page, place + local)
+    missing = size - local
+    while missing > 0 and 1 < following <= pages.number + 1:
+        overflow = _read_page(stream, pages, following)
+        (following,) = _U32.unpack_from(overflow)
+        parts.append(overflow[4 : 4 + missing])
+        missing -= pages.usable - 4
+    record = b"".join(parts)
+    return _parse_record(record, number) if len(record) == size else None
+
+
+def _parse_types(record: bytes) -> tuple[int, list[int]] | None:
+    """Return where the values begin, and their types; None if they are not a message's."""
+    header, position = _varint(record, 0)
+    types = []
+    while position < header:
+        kind, position = _varint(record, position)
+        types.append(kind)
+    match types:
+        case [0, topic, stamp, blob] if (
+            topic in _INTEGER_BYTES
+            and stamp in _INTEGER_BYTES
+            and blob >= _FIRST_BLOB
+            and blob % 2 == 0
+        ):
+            return header, types
+    return None
+
+
+def _parse_record(record: bytes, number: int) -> Row | None:
+    """Return the message of a record; None if it is a row of another table."""
+    found = _parse_types(record)
+    if found is None:
+        return None
+    position, (_, topic_type, stamp_type, blob_type) = found
+    values = []
+    for kind in (topic_type, stamp_type):
+        n_bytes = _INTEGER_BYTES[kind]
+        stored = int.from_bytes(record[position : position + n_bytes], "big", signed=True)
+        values.append(stored if n_bytes else kind - 8)
+        position += n_bytes
+    payload = record[position : position + (blob_type - _FIRST_BLOB) // 2]
+    return number, values[0], values[1], payload

@@ -1,0 +1,1 @@
+"""Writing logs into every container that the readers know."""

@@ -1,0 +1,161 @@
+"""Broken databases: rows come out of the pages, whatever became of the tree."""
+
+import sqlite3
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+import zstandard
+
+from mpap_cli.errors import LogError
+from mpap_cli.logs.files.chunks import BrokenRecordError
+from mpap_cli.logs.files.salvage_pages import rows_in_pages
+from mpap_cli.logs.reader import LogReader, open_log
+
+Rows = Sequence[tuple[str, int, str]]
+WriteLog = Callable[[str, Rows], Path]
+
+PAGE_BYTES = 4096
+# Short rows, rows of a few hundred bytes, and rows of several pages.
+LENGTHS = (3, 300, 9_000)
+ROWS = [
+    ("/left" if number % 3 else "/right", 10**18 + number, "x" * LENGTHS[number % len(LENGTHS)])
+    for number in range(300)
+]
+STAMPS = [row[1] for row in ROWS]
+
+
+def stamps(reader: LogReader) -> list[int]:
+    """Return the stamps of all messages."""
+    names = [topic.name for topic in reader.topics]
+    return [message.stamp_ns for message in reader.messages(names)]
+
+
+@pytest.fixture
+def database(write_log: WriteLog) -> Path:
+    """Return a database of a few hundred pages."""
+    return write_log("sqlite3", ROWS) / "log.db3"
+
+
+def test_rows_of_pages_are_the_rows_of_the_table(database: Path) -> None:
+    """Nothing else in the file is taken for a message."""
+    with closing(sqlite3.connect(database)) as opened:
+        table = opened.execute("SELECT id, topic_id, timestamp, data FROM messages").fetchall()
+
+    found = sorted(rows_in_pages(database))
+
+    assert found == sorted(table)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.7, 0.9, 0.99])
+def test_database_cut_anywhere_keeps_whole_rows(database: Path, share: float) -> None:
+    """About as many rows as bytes; all of them sound, in time order."""
+    content = database.read_bytes()
+    database.write_bytes(content[: int(share * len(content))])
+
+    with open_log(database) as reader:
+        found = stamps(reader)
+        payloads = {len(message.payload) for message in reader.messages(["/left", "/right"])}
+
+    assert found == sorted(found)
+    assert set(found) <= set(STAMPS)
+    assert len(found) > (share - 0.15) * len(ROWS)
+    assert payloads == {4 + 4 + length + 1 for length in LENGTHS}
+    assert [(damage.kind, damage.count) for damage in reader.damage] == [("database", len(found))]
+    assert f"the {len(found):,} whole messages found are used" in reader.damage[0].text
+    with pytest.raises(LogError, match="without --strict"):
+        open_log(database, strict=True)
+
+
+def test_packed_database_that_was_cut_before(database: Path) -> None:
+    """It is unpacked and repaired in the same temporary folder."""
+    content = database.read_bytes()
+    packed = database.with_suffix(".db3.zstd")
+    packed.write_bytes(zstandard.compress(content[: len(content) // 2]))
+
+    with open_log(packed) as reader:
+        found = stamps(reader)
+
+    assert 0 < len(found) == reader.n_messages
+    assert [damage.kind for damage in reader.damage] == ["database"]
+
+
+def test_folder_of_a_cut_database(database: Path) -> None:
+    """metadata.yaml counts what is not there; only the damage is told."""
+    content = database.read_bytes()
+    database.write_bytes(content[: len(content) // 2])
+
+    with open_log(database.parent) as reader:
+        found = stamps(reader)
+
+    assert 0 < len(found) == reader.n_messages == sum(t.n_messages for t in reader.topics)
+    assert reader.warnings == []
+
+
+def test_page_that_breaks_while_reading(database: Path) -> None:
+    """Messages before it, and after it, come once and in order."""
+    content = bytearray(database.read_bytes())
+    leaves = [
+        place for place in range(PAGE_BYTES, len(content), PAGE_BYTES) if content[place] == 0x0D
+    ]
+    middle = leaves[len(leaves) // 2]
+    content[middle : middle + 100] = b"\xff" * 100
+    database.write_bytes(content)
+
+    with open_log(database) as reader:
+        found = stamps(reader)
+
+    assert found == sorted(set(found))
+    assert len(ROWS) - 30 < len(found) < len(ROWS)
+    assert [damage.kind for damage in reader.damage] == ["database"]
+
+
+def test_equal_stamps_around_the_break_come_once(write_log: WriteLog) -> None:
+    """Reading goes on behind the messages that were given out."""
+    path = write_log("sqlite3", [("/left", 7, f"{n:0300}") for n in range(400)]) / "log.db3"
+    content = bytearray(path.read_bytes())
+    leaves = [p for p in range(PAGE_BYTES, len(content), PAGE_BYTES) if content[p] == 0x0D]
+    content[leaves[-2] : leaves[-2] + 100] = b"\xff" * 100
+    path.write_bytes(content)
+
+    with open_log(path) as reader:
+        found = [message.payload for message in reader.messages(["/left"])]
+
+    assert found == sorted(set(found))
+    assert 350 < len(found) < 400
+
+
+def test_index_that_is_out_of_order(database: Path) -> None:
+    """The rows are right, the order of the index is not."""
+    with closing(sqlite3.connect(database)) as opened:
+        opened.execute("PRAGMA writable_schema = ON")
+        opened.execute(
+            "UPDATE sqlite_schema SET sql = replace(sql, 'ASC', 'DESC') WHERE type = 'index'"
+        )
+        opened.commit()
+
+    with open_log(database) as reader:
+        found = stamps(reader)
+
+    assert found == STAMPS
+    assert [damage.kind for damage in reader.damage] == ["database"]
+
+
+def test_database_without_topics(database: Path) -> None:
+    """Messages alone cannot be told apart."""
+    content = database.read_bytes()
+    database.write_bytes(content[:PAGE_BYTES])
+
+    with pytest.raises(LogError, match=r"log\.db3: the database is broken .* topics is lost"):
+        open_log(database)
+
+
+@pytest.mark.parametrize("header", [b"", b"SQLite format 3\x00" + bytes(84)])
+def test_header_of_a_database_that_is_broken(tmp_path: Path, header: bytes) -> None:
+    """Without the size of a page nothing can be found."""
+    path = tmp_path / "log.db3"
+    path.write_bytes(header)
+
+    with pytest.raises(BrokenRecordError, match="the header of the database is broken"):
+        list(rows_in_pages(path))
