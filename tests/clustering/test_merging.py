@@ -37,7 +37,7 @@ def random_leaves(seed: int, reference: str) -> list[MetaPoints]:
     return leaves
 
 
-@settings(deadline=None, max_examples=10)
+@settings(max_examples=settings().max_examples // 10)
 @given(st.integers(0, 10_000), st.sampled_from(["mean", "exemplar"]))
 def test_the_order_of_the_models_does_not_matter(seed: int, reference: str) -> None:
     """All arrays are equal byte for byte under every permutation."""
@@ -50,7 +50,7 @@ def test_the_order_of_the_models_does_not_matter(seed: int, reference: str) -> N
         assert all(first[name].tobytes() == other[name].tobytes() for name in first)
 
 
-@settings(deadline=None, max_examples=10)
+@settings(max_examples=settings().max_examples // 10)
 @given(st.integers(0, 10_000), st.sampled_from(["mean", "exemplar"]))
 def test_totals_are_kept(seed: int, reference: str) -> None:
     """Numbers of points and labels add up exactly, sums of points to rounding."""

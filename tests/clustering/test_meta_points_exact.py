@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mpap_cli.clustering.meta_point_rows import _kernels
@@ -69,7 +69,6 @@ def assert_same(found: MetaPoints, points: Float32Array, stamps: IntArray, cuts:
     assert found.n_dropped == reference.n_dropped
 
 
-@settings(deadline=None, max_examples=150)
 @given(streams(), PARAMS, st.lists(st.integers(0, 60), max_size=3), st.booleans())
 def test_blocks_give_exactly_what_single_points_give(
     stream: tuple[Float32Array, bool], params: MetaPointParams, cuts: list[int], back: bool

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mpap_cli.features import _kernels
@@ -101,7 +101,6 @@ def blocks(draw: st.DrawFn) -> tuple[Float32Array, IntArray, int]:
 
 @pytest.mark.parametrize("kind", LIMITS)
 @given(block=blocks())
-@settings(max_examples=40, deadline=None)
 def test_a_block_equals_the_loop_over_its_beams(
     kind: str, block: tuple[Float32Array, IntArray, int]
 ) -> None:
@@ -155,7 +154,6 @@ def test_cleaning_alone_equals_the_loop(kind: str) -> None:
     window=st.integers(0, 12),
     n_before=st.integers(0, 5),
 )
-@settings(max_examples=60, deadline=None)
 def test_window_minimum_equals_the_search_of_every_window(
     gaps: list[int], window: int, n_before: int
 ) -> None:

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mpap_cli.features.scan_bins import BinLayout, beam_bearings, lay_out_bins
@@ -120,7 +120,6 @@ def scanners(draw: st.DrawFn) -> tuple[ScanGeometry, float]:
     width=st.integers(60, 360),
     bins=st.integers(1, 12),
 )
-@settings(max_examples=150, deadline=None)
 def test_every_beam_lies_in_the_bin_of_its_angle(
     scanner: tuple[ScanGeometry, float], start: int, width: int, bins: int
 ) -> None:

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mpap_cli.errors import UsageError
@@ -47,7 +47,6 @@ def constant_scan(value: float, n: int = 1, geometry: ScanGeometry = NEATO) -> S
     cuts=st.lists(st.integers(0, 20), max_size=4),
     seed=st.integers(0, 5),
 )
-@settings(max_examples=60, deadline=None)
 def test_features_do_not_depend_on_the_cuts(
     feature: str, no_return: str, gaps: list[int], cuts: list[int], seed: int
 ) -> None:

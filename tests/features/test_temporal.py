@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mpap_cli.features.temporal import ChangeOverTime, SlidingMinimum, to_ns
@@ -24,7 +24,6 @@ def streams(draw: st.DrawFn) -> tuple[IntArray, Float64Array, list[int]]:
 
 
 @given(stream=streams(), window=st.integers(0, 9))
-@settings(max_examples=80, deadline=None)
 def test_minimum_does_not_depend_on_the_cuts(
     stream: tuple[IntArray, Float64Array, list[int]], window: int
 ) -> None:
@@ -42,7 +41,6 @@ def test_minimum_does_not_depend_on_the_cuts(
 
 
 @given(stream=streams(), span=st.integers(1, 9))
-@settings(max_examples=80, deadline=None)
 def test_change_does_not_depend_on_the_cuts(
     stream: tuple[IntArray, Float64Array, list[int]], span: int
 ) -> None:

@@ -214,7 +214,9 @@ every_option = st.builds(
 
 
 @pytest.mark.parametrize("container", CONTAINERS)
-@settings(deadline=None, max_examples=8, phases=[Phase.generate])  # each example writes a log
+@settings(
+    max_examples=settings().max_examples // 12, phases=[Phase.generate]
+)  # each example writes a log
 @given(
     seed=st.integers(0, 10**6),
     bumps=st.sampled_from([("/bump",), ("/bump", "/other"), ()]),

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mpap_cli.logs.fields import FieldError, read_scan
@@ -99,7 +99,6 @@ def one_by_one(run: RawRun, time_source: Literal["log", "header"]) -> tuple[Scan
 
 @pytest.mark.parametrize("time_source", ["log", "header"])
 @pytest.mark.parametrize("encoding", ["cdr", "ros1", "json", "protobuf"])
-@settings(deadline=None, max_examples=60)  # compiled code is loaded at the first call
 @given(scans=st.lists(st.tuples(scan_fields, flaws), min_size=1, max_size=20))
 def test_runs_hold_what_single_messages_do(
     encoding: str, time_source: Literal["log", "header"], scans: list[tuple[dict[str, Any], str]]

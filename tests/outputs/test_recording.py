@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -209,7 +209,6 @@ def test_chunks_are_checked(arrays: Sequence[NDArray[Any]], found: str) -> None:
 
 
 @given(data=st.data())
-@settings(max_examples=150, deadline=None)
 def test_damaged_recording_is_one_line(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mpap_cli.logs.files import _kernels as kernels
@@ -131,14 +131,12 @@ def check_walk(kind: str, records: bytes) -> None:
     assert ([tuple(column) for column in found.T.tolist()], whole) == plain(records, WANTED)
 
 
-@settings(deadline=None)  # compiled code is loaded at the first call
 @given(records=mcap_chunks | broken(mcap_chunks) | st.binary())
 def test_mcap_walk_is_the_plain_one(records: bytes) -> None:
     """Whole, cut and changed chunks give the same messages, and the same verdict."""
     check_walk("mcap", records)
 
 
-@settings(deadline=None)  # compiled code is loaded at the first call
 @given(records=bag_chunks | broken(bag_chunks) | st.binary())
 def test_bag_walk_is_the_plain_one(records: bytes) -> None:
     """Whole, cut and changed chunks give the same messages, and the same verdict."""
@@ -195,7 +193,6 @@ def test_walks_as_python(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("compiled", [True, False])
-@settings(deadline=None)  # compiled code is loaded at the first call
 @given(texts=st.lists(st.binary(min_size=4, max_size=7), min_size=1), skip=st.integers(0, 4))
 def test_comparisons_are_those_of_bytes(compiled: bool, texts: list[bytes], skip: int) -> None:
     """Payloads are compared with that before, and their heads with the first under a mask."""
