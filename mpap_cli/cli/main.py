@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import click
 
+from mpap_cli import __version__
 from mpap_cli.errors import MpapError
 
 INTERRUPTED = 130
@@ -45,9 +46,7 @@ class LazyGroup(click.Group):
 def _print_version(context: click.Context, _option: click.Parameter, wanted: bool) -> None:
     if not wanted or context.resilient_parsing:
         return
-    from importlib.metadata import version
-
-    click.echo(f"mpap {version('mpap')}")
+    click.echo(f"mpap {__version__}")
     context.exit()
 
 

@@ -17,18 +17,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from mpap_cli import __version__
 from mpap_cli.errors import OutputError
 from mpap_cli.outputs.publishing import clear_staging, flush, lock_of, publish, staging_of
 from mpap_cli.outputs.results_record import SETTINGS_NAME, InputFile, is_safe_name, sha256_of
 
 _DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-
-
-def _version() -> str:
-    """Return the version of mpap that writes."""
-    from importlib.metadata import version  # noqa: PLC0415  # slow, needed once a run
-
-    return version("mpap")
 
 
 class ResultsFolder:
@@ -154,7 +148,7 @@ class ResultsFolder:
         try:
             names = self._written()
             record = {
-                "mpap": _version(),
+                "mpap": __version__,
                 "command": self._command,
                 "seed": seed,
                 "settings": dict(sorted(settings.items())),
