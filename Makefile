@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 QUICK := -m "not slow"
 
-.PHONY: demo test check layers docs golden fixtures bench soak clean
+.PHONY: demo test check lint layers docs golden fixtures bench soak clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)

@@ -117,7 +117,7 @@ def _by_mpap(path: Path, settings: Settings) -> list[Float32Array]:
     """Return embedded global differences, as learn takes them."""
     with open_log(path) as reader:
         roles = choose_roles(reader, TopicChoice())
-        survey = survey_log(reader, roles, settings.scan.forward)
+        survey = survey_log(reader, roles, settings.scan.forward_rad())
         embedder = ScanEmbedder(settings.scan, survey.forward_rad, survey.range_max)
         return [
             embedder.transform(block).features

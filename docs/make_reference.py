@@ -31,8 +31,8 @@ def setting_lines() -> Iterator[str]:
     yield "Section is that of Ott & Ramos (2013); `ours` is not in the paper.\n\n"
     yield "| key | robust | paper | section | meaning |\n| --- | --- | --- | --- | --- |\n"
     for row in config(SettingsRequest(profile="robust")):
-        meaning = row.meaning.replace("|", "\\|")
-        yield f"| {row.key} | {row.value} | {paper[row.key]} | {row.section} | {meaning} |\n"
+        cells = (row.key, row.value, paper[row.key], row.section, row.meaning)
+        yield "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
 
 
 def main() -> int:

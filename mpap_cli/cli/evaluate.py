@@ -7,6 +7,7 @@ import click
 
 from mpap_cli.cli import options
 
+# a copy, so that --help need not import numpy
 PROTOCOLS = ("blocked", "leave-one-log-out", "leave-one-group-out", "in-sample", "prequential")
 
 
@@ -20,11 +21,12 @@ Examples:
 """,
 )
 @options.logs(required=False)
+@options.scan_geometry
 @options.feature("all")
 @options.settings
 @click.option(
     "--model",
-    type=click.Path(exists=True, path_type=Path),
+    type=click.Path(path_type=Path),
     metavar="MODEL",
     help="Score this model on the logs instead of training.",
 )
@@ -41,7 +43,7 @@ Examples:
     metavar="contact|onset|early:S",
     help="What is scored: pressed, just pressed, a press within S seconds.",
 )
-@click.option("--truth", type=options.EXISTING_FILE, metavar="FILE.csv", help="Edited presses.csv.")
+@click.option("--truth", type=options.FILE, metavar="FILE.csv", help="Edited presses.csv.")
 @click.option("--sweep", metavar="KEY=V1,V2,...", help="One line for every value of a setting.")
 @options.threshold
 @options.out

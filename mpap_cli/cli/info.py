@@ -26,6 +26,6 @@ def info(**words: Any) -> int:
     from mpap_cli.cli.printing import print_infos
     from mpap_cli.commands.info import info as run
 
-    infos = run(options.selection(words), forward=words["forward"] or "tf")
+    infos = run(options.selection(words))
     print_infos(infos, words["shape"])
     return infos.exit_code

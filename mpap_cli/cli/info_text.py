@@ -1,12 +1,13 @@
 """The page that ``mpap info`` prints for a log or a model."""
 
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 
 from mpap_cli.commands.info import LogInfo, ModelInfo
 from mpap_cli.observations import NS_PER_S
 from mpap_cli.outputs.evaluate_text import count
-from mpap_cli.outputs.text_table import aligned
+from mpap_cli.outputs.text_table import aligned, printable
 
 CONTAINERS = {
     "bag": "ROS 1 bag",
@@ -15,6 +16,44 @@ CONTAINERS = {
     "rosbag2/sqlite3": "rosbag2 folder, sqlite3",
     "rosbag2/mcap": "rosbag2 folder, MCAP",
 }
+
+
+@dataclass(frozen=True, slots=True)
+class TopicRow:
+    """What ``--format csv`` prints of a topic."""
+
+    name: str
+    topic: str
+    type: str
+    messages: int
+    hz: float | None
+    role: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class ModelRow:
+    """What ``--format csv`` prints of a log that a model has learnt."""
+
+    path: str
+    profile: str
+    feature: str
+    bins: int
+    clusters: int
+    meta_points: int
+    log: str
+    scans: int
+    presses: int | None
+
+
+def topic_rows(log: LogInfo) -> list[TopicRow]:
+    """Return the topics of a log."""
+    return [TopicRow(log.name, *topic.values()) for topic in log.facts["topics"]]
+
+
+def model_rows(model: ModelInfo) -> list[ModelRow]:
+    """Return the logs of a model, each with what the model is."""
+    *known, _, logs = model_facts(model).values()
+    return [ModelRow(*known, *log.values()) for log in logs]
 
 
 def log_facts(log: LogInfo) -> dict[str, Any]:
@@ -70,7 +109,7 @@ def log_text(log: LogInfo) -> str:
         *(f"  note: {text}" for text in facts["warnings"]),
         f"  {facts['can_learn']}",
     ]
-    return "".join(f"{line}\n" for line in lines)
+    return "".join(f"{printable(line)}\n" for line in lines)
 
 
 def _scan_line(log: LogInfo) -> str:
@@ -92,19 +131,21 @@ def _bump_line(log: LogInfo) -> str:
     bump = log.facts["bump"]
     if bump is None:
         return f"  bump: none; {log.reasons['bump']}"
+    reason, topic = log.reasons["bump"], bump["topic"]
+    origin = f"{topic} ({reason}): {bump['semantics']}, " if topic else f"{reason}: "
     return (
-        f"  bump: {bump['topic']} ({log.reasons['bump']}): {bump['semantics']}, "
-        f"{count(bump['presses'], 'press')}, {count(bump['scans_pressed'], 'scan')} pressed, "
-        f"{bump['pressed_s']:.1f} s"
+        f"  bump: {origin}{count(bump['presses'], 'press')}, "
+        f"{count(bump['scans_pressed'], 'scan')} pressed, {bump['pressed_s']:.1f} s"
     )
 
 
 def _image_line(log: LogInfo) -> str:
     """Say which camera would be used and why."""
     image = log.facts["image"]
+    size = f"{image['width']} x {image['height']}" if image["width"] else "size unknown"
     return (
         f"  image: {image['topic']} ({log.reasons['image']}): {count(image['images'], 'image')}, "
-        f"{image['width']} x {image['height']}, {image['encoding']}"
+        f"{size}, {image['encoding'] or 'encoding unknown'}"
     )
 
 

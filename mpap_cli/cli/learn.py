@@ -17,11 +17,12 @@ Examples:
 """,
 )
 @options.logs(required=True)
+@options.scan_geometry
 @options.feature()
 @options.settings
 @click.option(
     "--model",
-    type=click.Path(exists=True, path_type=Path),
+    type=click.Path(path_type=Path),
     metavar="MODEL",
     help="Go on from this model file or results folder.",
 )

@@ -1,6 +1,7 @@
 """The ``mpap`` command: finds the subcommand, prints errors, sets the exit code."""
 
 import importlib
+import os
 import sys
 from collections.abc import Sequence
 
@@ -75,17 +76,32 @@ def mpap() -> None:
     """
 
 
+def _say(text: str) -> None:
+    """Print one line on stderr, whatever names from logs hold."""
+    from mpap_cli.outputs.text_table import printable
+
+    click.echo(f"mpap: {printable(text)}", err=True)
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
     try:
         code = mpap.main(arguments, prog_name="mpap", standalone_mode=False)
+        sys.stdout.flush()
     except MpapError as error:
-        click.echo(f"mpap: {error}", err=True)
+        _say(str(error))
         sys.exit(error.exit_code)
+    except BrokenPipeError:
+        # who reads stdout has gone; what Python still holds for it goes nowhere
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except OSError as error:
+        _say(f"{error.filename or 'output'}: {(error.strerror or str(error)).lower()}")
+        sys.exit(1)
     except click.ClickException as error:
         error.show()
         sys.exit(error.exit_code)
     except (KeyboardInterrupt, click.Abort):
-        click.echo("mpap: interrupted; earlier results are as they were", err=True)
+        _say("interrupted; results are whole, older or new")
         sys.exit(INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)

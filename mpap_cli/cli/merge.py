@@ -18,7 +18,7 @@ Example:
     "models",
     nargs=-1,
     required=True,
-    type=click.Path(exists=True, path_type=Path),
+    type=click.Path(path_type=Path),
     metavar="MODEL...",
 )
 @options.out

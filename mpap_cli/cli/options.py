@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from mpap_cli.params import PROFILES, SCAN_FEATURE_NAMES
+
 if TYPE_CHECKING:
     from mpap_cli.commands.selection import LogSelection
     from mpap_cli.commands.settings import SettingsRequest
 
 Command = TypeVar("Command", bound=Callable[..., Any])
-FEATURES = ("min-value", "max-value", "mean-value", "global-diff", "seq-diff", "seq-diff-signed")
-EXISTING_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+FEATURES = tuple(name for name in SCAN_FEATURE_NAMES if name != "inverse-min")  # that is robust's
+FILE = click.Path(dir_okay=False, path_type=Path)
 
 
 def _together(*decorators: Callable[[Command], Command]) -> Callable[[Command], Command]:
@@ -48,15 +50,13 @@ def logs(*, required: bool) -> Callable[[Command], Command]:
         ),
         click.option(
             "--bump-distance",
-            type=click.FloatRange(min=0, min_open=True),
+            type=click.FloatRange(0, 1000, min_open=True),
             default=0.25,
             show_default=True,
             metavar="M",
             help="With --bump-from scan: nearer than this is a press.",
         ),
-        click.option("--fov", metavar="DEG|FROM,TO", help="Field of view about forward."),
         click.option("--forward", metavar="DEG|tf", help="Direction of travel in the scan."),
-        click.option("--max-range", metavar="M", help="Cap on ranges."),
         click.option("--start", metavar="TIME", help="12.5, 1:30, RFC 3339 or nanoseconds."),
         click.option("--end", metavar="TIME", help="As --start."),
         click.option(
@@ -69,7 +69,7 @@ def logs(*, required: bool) -> Callable[[Command], Command]:
         click.option(
             "--msgs",
             multiple=True,
-            type=click.Path(exists=True, file_okay=False, path_type=Path),
+            type=click.Path(file_okay=False, path_type=Path),
             metavar="DIR",
             help="Folder with .msg files of types the log does not define.",
         ),
@@ -77,12 +77,20 @@ def logs(*, required: bool) -> Callable[[Command], Command]:
     )
 
 
+def scan_geometry(command: Command) -> Command:
+    """Add what a model is to see of a scan."""
+    return _together(
+        click.option("--fov", metavar="DEG|FROM,TO", help="Field of view about forward."),
+        click.option("--max-range", metavar="M", help="Cap on ranges."),
+    )(command)
+
+
 def settings(command: Command) -> Command:
     """Add the options that end in settings."""
     return _together(
         click.option(
             "--profile",
-            type=click.Choice(["robust", "paper"]),
+            type=click.Choice(list(PROFILES)),
             help="robust: the default; paper: Ott & Ramos 2013 (implied by --feature, --bins).",
         ),
         click.option(
@@ -92,7 +100,7 @@ def settings(command: Command) -> Command:
             metavar="KEY=VALUE",
             help="Any other setting; 'mpap config' lists them.",
         ),
-        click.option("--config", type=EXISTING_FILE, metavar="FILE.toml", help="Settings."),
+        click.option("--config", type=FILE, metavar="FILE.toml", help="Settings."),
         click.option("--seed", type=click.IntRange(min=0), help="Seed of all that is random."),
     )(command)
 
@@ -129,7 +137,7 @@ def jobs(command: Command) -> Command:
         default=2,
         show_default=True,
         metavar="N",
-        help="Threads; results do not depend on it.",
+        help="1: no thread beside; 2 or more: reading runs in a thread of its own.",
     )(command)
 
 
@@ -159,16 +167,12 @@ def table_format(command: Command) -> Command:
 
 def _talk(_context: click.Context, option: click.Parameter, count: int) -> int:
     """Set how much is said on stderr, before anything else runs."""
-    import logging
+    from mpap_cli.cli.talk import be_quiet, talk_on_stderr
 
-    if option.name == "quiet" and count:
-        logging.getLogger("mpap_cli").setLevel(logging.ERROR)
-    elif option.name == "verbose":
-        logger = logging.getLogger("mpap_cli")
-        handler = logging.StreamHandler()
-        handler.setFormatter(logging.Formatter("mpap: %(message)s"))
-        logger.handlers = [handler]
-        logger.setLevel(logging.DEBUG if count else logging.INFO)
+    if option.name == "verbose":
+        talk_on_stderr(verbose=count > 0)
+    elif count:
+        be_quiet()
     return count
 
 
@@ -206,6 +210,7 @@ def selection(words: dict[str, Any]) -> "LogSelection":
         bump_topics=words["bump_topics"],
         bump_from=words["bump_from"],
         bump_distance_m=words["bump_distance"],
+        forward=words["forward"],
         start=words["start"],
         end=words["end"],
         time_source=words["time_source"],
@@ -215,7 +220,7 @@ def selection(words: dict[str, Any]) -> "LogSelection":
 
 
 def request(words: dict[str, Any]) -> "SettingsRequest":
-    """Turn the words of :func:`settings`, :func:`feature` and :func:`logs` into a record."""
+    """Turn the words of :func:`settings`, :func:`feature`, :func:`scan_geometry` into a record."""
     from mpap_cli.commands.settings import SettingsRequest
 
     return SettingsRequest(
@@ -226,12 +231,7 @@ def request(words: dict[str, Any]) -> "SettingsRequest":
         pairs=words["pairs"],
         flags={
             key: str(words[name])
-            for key, name in (
-                ("fov", "fov"),
-                ("forward", "forward"),
-                ("max-range", "max_range"),
-                ("seed", "seed"),
-            )
+            for key, name in (("fov", "fov"), ("max-range", "max_range"), ("seed", "seed"))
             if words.get(name) is not None
         },
     )

@@ -14,7 +14,7 @@ Example:
   mpap predict mpap-out day4.bag
 """,
 )
-@click.argument("model", type=click.Path(exists=True, path_type=Path))
+@click.argument("model", type=click.Path(path_type=Path))
 @options.logs(required=True)
 @options.threshold
 @options.out
@@ -24,8 +24,8 @@ Example:
 def predict(**words: Any) -> int:
     """Predict the probability of a collision for every scan of the logs.
 
-    MODEL is a model file or a results folder. Writes timeline.csv and timeline.png into
-    DIR/predict.
+    MODEL is a model file or a results folder. Writes timeline.csv, presses.csv and
+    timeline.png into DIR/predict.
     """
     from mpap_cli.cli.printing import print_predicted, progress
     from mpap_cli.commands.predict import PredictRequest

@@ -5,16 +5,28 @@ import logging
 import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from mpap_cli.cli.info_text import log_facts, log_text, model_facts, model_text
-from mpap_cli.commands.info import Infos, LogInfo
+from mpap_cli.cli.info_text import (
+    ModelRow,
+    TopicRow,
+    log_facts,
+    log_text,
+    model_facts,
+    model_rows,
+    model_text,
+    topic_rows,
+)
+from mpap_cli.commands.info import Infos, LogInfo, ModelInfo
 from mpap_cli.commands.learn import Learnt
 from mpap_cli.commands.predict import Predicted
 from mpap_cli.commands.progress import Report
+from mpap_cli.errors import UsageError
 from mpap_cli.evaluation.rows import AucRow
 from mpap_cli.outputs import console
 from mpap_cli.outputs.evaluate_text import count, evaluate_text
+from mpap_cli.outputs.tables import csv_text
 from mpap_cli.outputs.text_table import aligned
 from mpap_cli.systems.cluster_rows import ClusterRow
 
@@ -87,23 +99,36 @@ def print_evaluated(evaluated: "Evaluated", shape: str) -> None:
     sys.stdout.write(f"results: {evaluated.folder}\n")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PredictedRow:
+    """What ``predict --format csv`` prints, and json."""
+
+    logs: int
+    scans: int
+    predicted: int
+    novel: int
+    presses_judged: int
+    presses_announced: int
+    median_lead_s: float | None
+    false_alarms_per_min: float | None
+
+
 def print_predicted(predicted: Predicted, shape: str) -> None:
     """Print how much was predicted."""
-    facts = {
-        "logs": predicted.n_logs,
-        "scans": predicted.n_scans,
-        "predicted": predicted.n_predicted,
-        "novel": predicted.n_novel,
-        "presses_judged": predicted.leads.judged,
-        "presses_announced": predicted.leads.announced,
-        "median_lead_s": predicted.leads.median_lead_s,
-        "false_alarms_per_min": predicted.leads.false_alarms_per_min,
-    }
+    row = PredictedRow(
+        logs=predicted.n_logs,
+        scans=predicted.n_scans,
+        predicted=predicted.n_predicted,
+        novel=predicted.n_novel,
+        presses_judged=predicted.leads.judged,
+        presses_announced=predicted.leads.announced,
+        median_lead_s=predicted.leads.median_lead_s,
+        false_alarms_per_min=predicted.leads.false_alarms_per_min,
+    )
     if shape == "json":
-        sys.stdout.write(json.dumps(facts, indent=2) + "\n")
+        sys.stdout.write(json.dumps(asdict(row), indent=2) + "\n")
     elif shape == "csv":
-        cells = ["" if value is None else str(value) for value in facts.values()]
-        sys.stdout.write(f"{','.join(facts)}\n{','.join(cells)}\n")
+        sys.stdout.write(csv_text(PredictedRow, [row]))
     else:
         sys.stdout.write(_predicted_text(predicted))
 
@@ -129,7 +154,13 @@ def _predicted_text(predicted: Predicted) -> str:
 
 
 def print_infos(infos: Infos, shape: str) -> None:
-    """Print what logs hold and what models know."""
+    """Print what logs hold and what models know.
+
+    Raises
+    ------
+    UsageError
+        If both are to stand in one CSV.
+    """
     if shape == "table":
         texts = [
             log_text(one) if isinstance(one, LogInfo) else model_text(one) for one in infos.found
@@ -142,13 +173,9 @@ def print_infos(infos: Infos, shape: str) -> None:
     if shape == "json":
         sys.stdout.write(json.dumps(facts, indent=2) + "\n")
         return
-    lines = ["name,topic,type,messages,hz,role\n"]
-    for one in infos.found:
-        if isinstance(one, LogInfo):
-            for topic in one.facts["topics"]:
-                cells = [
-                    one.name,
-                    *("" if value is None else str(value) for value in topic.values()),
-                ]
-                lines.append(",".join(cells) + "\n")
-    sys.stdout.write("".join(lines))
+    topics = [row for one in infos.found if isinstance(one, LogInfo) for row in topic_rows(one)]
+    models = [row for one in infos.found if isinstance(one, ModelInfo) for row in model_rows(one)]
+    if topics and models:
+        msg = "--format csv: logs and models have other columns; ask for one kind, or for json"
+        raise UsageError(msg)
+    sys.stdout.write(csv_text(ModelRow, models) if models else csv_text(TopicRow, topics))

@@ -7,7 +7,9 @@ import click
 
 from mpap_cli.cli import options
 
+# copies, so that --help need not import numpy
 CONTAINERS = ("bag", "rosbag2-sqlite3", "rosbag2-mcap", "mcap", "mcap-ros1", "mcap-json")
+WORLDS = ("indoor", "outdoor")
 
 
 @click.command(
@@ -20,7 +22,7 @@ Examples:
 @click.argument("log", type=click.Path(path_type=Path))
 @click.option(
     "--world",
-    type=click.Choice(["indoor", "outdoor"]),
+    type=click.Choice(WORLDS),
     default="indoor",
     show_default=True,
     help="What the robot drives through.",

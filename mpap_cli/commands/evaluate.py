@@ -1,10 +1,11 @@
 """``evaluate``: collision prediction scored by a protocol, with the baselines beside it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from mpap_cli.commands.evaluate_outputs import write_evaluation
 from mpap_cli.commands.evaluate_summary import summarise
+from mpap_cli.commands.learnt import learnt_settings
 from mpap_cli.commands.models import load_model, recorded_beside
 from mpap_cli.commands.observed import (
     ObservedInput,
@@ -15,18 +16,20 @@ from mpap_cli.commands.observed import (
 from mpap_cli.commands.progress import Progress, no_progress
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
 from mpap_cli.commands.selection import LogSelection
-from mpap_cli.commands.settings import SettingsRequest, settings_from
+from mpap_cli.commands.settings import SettingsRequest
 from mpap_cli.commands.variants import make_variants
 from mpap_cli.errors import UsageError
 from mpap_cli.evaluation.groups import group_names
 from mpap_cli.evaluation.rows import AucRow
 from mpap_cli.evaluation.scoring import Variant, evaluate_all
 from mpap_cli.evaluation.sheets import Question
-from mpap_cli.evaluation.targets import parse_target
+from mpap_cli.evaluation.targets import Target, parse_target
 from mpap_cli.observations import Press
 from mpap_cli.outputs.evaluate_text import EvaluateSummary
+from mpap_cli.outputs.model_file import find_model
 from mpap_cli.outputs.results_folder import ResultsFolder
-from mpap_cli.properties.press_files import names_without_log, presses_from_csv, presses_of_log
+from mpap_cli.outputs.results_reader import InputFile, describe_input
+from mpap_cli.properties.press_files import presses_from_csv, presses_of_log, rows_of_logs
 from mpap_cli.systems.collision import CollisionModel
 
 
@@ -96,30 +99,28 @@ def evaluate(
     """
     keep_kernels_writable()
     model = _given_model(settings, request)
+    learnt = learnt_settings(request.out)
+    variants = make_variants(settings, request.sweep, learnt, model)
+    target = parse_target(request.target)
     with one_thread_each(), ResultsFolder(request.out, "evaluate") as results:
         if selection.logs:
-            base = (
-                model.settings
-                if model
-                else settings_from(replace(settings, feature=None, bins=None))
-            )
-            observed = observe_logs(selection, base, results, request.jobs, progress)
+            first = variants[0].settings
+            observed = observe_logs(selection, first, results, request.jobs, progress)
         else:
-            observed = learnt_last(request.out)
-        variants = make_variants(settings, request.sweep, observed.learnt, model)
-        question = _question(observed, request, model)
+            observed = learnt_last(request.out, selection)
+        question = _question(observed, request, target, model)
         evaluation = evaluate_all(question, variants)
         write_evaluation(results, evaluation)
         drop_recording(results)
         results.commit(
             _values(selection, request, observed, variants),
-            observed.inputs,
+            [*observed.inputs, *_files_asked(request)],
             variants[0].settings.affinity.seed,
         )
     return Evaluated(
         folder=results.folder,
         rows=[marks.row for marks in evaluation.marks],
-        summary=summarise(evaluation, variants, settings, given=bool(selection.logs)),
+        summary=summarise(evaluation, question, variants, settings, learnt=learnt is not None),
         exit_code=observed.exit_code,
     )
 
@@ -139,14 +140,26 @@ def _given_model(settings: SettingsRequest, request: EvaluateRequest) -> Collisi
     return load_model(request.model)
 
 
+def _files_asked(request: EvaluateRequest) -> list[InputFile]:
+    """Describe the files beside the logs that a result depends on."""
+    files = [find_model(request.model)] if request.model is not None else []
+    files += [request.truth] if request.truth is not None else []
+    if request.groups is not None and request.groups.endswith(".csv"):
+        files.append(Path(request.groups))
+    return [describe_input(file) for file in files]
+
+
 def _question(
-    observed: ObservedInput, request: EvaluateRequest, model: CollisionModel | None
+    observed: ObservedInput,
+    request: EvaluateRequest,
+    target: Target,
+    model: CollisionModel | None,
 ) -> Question:
     """Put together what is asked of the evaluation."""
     truth, truth_name = _truth(observed, request)
     return Question(
         logs=observed.logs,
-        target=parse_target(request.target),
+        target=target,
         protocol=request.protocol,
         groups=group_names(observed.logs, request.groups) if request.groups else None,
         threshold=request.threshold,
@@ -164,11 +177,8 @@ def _truth(
     if request.truth is None:
         kinds = {log.bump_source.partition(" ")[0] for log in observed.logs} - {"none"}
         return None, "+".join(sorted(kinds)) or "none"
-    rows = presses_from_csv(request.truth)
-    unknown = names_without_log(rows, [log.name for log in observed.logs])
-    if unknown:
-        msg = f"--truth {request.truth.name}: names {', '.join(unknown)}, which is no log scored"
-        raise UsageError(msg)
+    names = [log.name for log in observed.logs]
+    rows = rows_of_logs(presses_from_csv(request.truth), names, f"--truth {request.truth.name}")
     presses = tuple(
         presses_of_log(rows.get(log.name, ()), index, log.start_ns, log.end_ns)
         for index, log in enumerate(observed.logs)
@@ -187,7 +197,7 @@ def _values(
         **selection.values(variants[0].settings),
         **observed.values,
         "protocol": request.protocol,
-        "groups": request.groups,
+        "groups": Path(request.groups).name if request.groups else None,
         "target": request.target,
         "truth": request.truth.name if request.truth else None,
         "sweep": request.sweep,

@@ -2,11 +2,15 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from mpap_cli.commands.settings import SettingsRequest
-from mpap_cli.evaluation.marks import Marks
 from mpap_cli.evaluation.paper_tables import TABLE_4
+from mpap_cli.evaluation.protocols import FoldPlan
 from mpap_cli.evaluation.rows import AucRow
 from mpap_cli.evaluation.scoring import Evaluation, Variant
+from mpap_cli.evaluation.sheets import Question
+from mpap_cli.observations import NS_PER_S
 from mpap_cli.outputs.evaluate_text import (
     Announced,
     Auc,
@@ -24,10 +28,11 @@ SPOKEN = {
 
 def summarise(
     evaluation: Evaluation,
+    question: Question,
     variants: Sequence[Variant],
     request: SettingsRequest,
     *,
-    given: bool,
+    learnt: bool,
 ) -> EvaluateSummary:
     """Gather the print-out.
 
@@ -35,12 +40,14 @@ def summarise(
     ----------
     evaluation : Evaluation
         What was found.
+    question : Question
+        What was asked.
     variants : sequence of Variant
         What was scored, as ``evaluation.marks`` begins.
     request : SettingsRequest
         How the settings were asked for.
-    given : bool
-        Whether logs were given, not taken from what was learnt last.
+    learnt : bool
+        Whether there are learnt settings that the request is laid over.
 
     Returns
     -------
@@ -48,6 +55,8 @@ def summarise(
         Numbers and words, not laid out.
     """
     ours, others = evaluation.marks[: len(variants)], evaluation.marks[len(variants) :]
+    seen = _logs_seen(question)
+    held_out = evaluation.protocol != "in-sample" and not seen
     first = ours[0].row
     feature = request.feature or str(first.feature)
     same = [one for one in ours if one.row.profile == first.profile]
@@ -56,77 +65,98 @@ def summarise(
         feature=feature,
         bins=bins,
         profile=str(first.profile),
-        reason=_profile_reason(request, given=given),
+        reason=_profile_reason(request, question, learnt=learnt),
         logs=first.logs,
         scans=evaluation.timeline.sheet.rows.n_scans,
         positives=int((evaluation.timeline.sheet.truth == 1).sum()),
         presses=first.presses,
         truth=first.truth,
-        rows=tuple(_method_row(one.row) for one in same),
+        rows=tuple(_method_row(one.row, held_out=held_out) for one in same),
         target=first.target,
         comparisons=(
             *(
-                Comparison(f"{one.row.method} ({one.row.profile})", _auc(one.row))
+                _comparison(f"{one.row.method} ({one.row.profile})", one.row, held_out=held_out)
                 for one in ours
                 if one not in same
             ),
-            *(_comparison(one) for one in others),
+            *(
+                _comparison(SPOKEN.get(one.row.method, one.row.method), one.row, held_out=held_out)
+                for one in others
+            ),
         ),
         protocol=evaluation.protocol,
-        protocol_detail=_protocol_detail(evaluation, variants[0]),
+        protocol_detail=_protocol_detail(evaluation),
         announced=_announced(evaluation),
-        notes=_notes(evaluation),
+        notes=(*_notes(evaluation), *seen),
     )
 
 
-def _profile_reason(request: SettingsRequest, *, given: bool) -> str:
+def _profile_reason(request: SettingsRequest, question: Question, *, learnt: bool) -> str:
     """Say why this profile."""
+    if question.model is not None:
+        return "that of the model"
     if request.feature is not None:
         return "because --feature was given"
     if request.bins is not None:
         return "because --bins was given"
     if request.profile is not None:
         return "as asked"
-    return "as learnt" if request.says_nothing and not given else "the default"
+    return "as learnt" if learnt else "the default"
 
 
-def _method_row(row: AucRow) -> MethodRow:
-    """Return one line of the table."""
+def _logs_seen(question: Question) -> tuple[str, ...]:
+    """Say which of the logs a given model has learnt from, if any."""
+    if question.model is None:
+        return ()
+    learnt = {(log.name, log.start_ns) for log in question.model.logs}
+    seen = [log.name for log in question.logs if (log.name, log.start_ns) in learnt]
+    if not seen:
+        return ()
+    return (f"in-sample, not held-out: the model has learnt from {', '.join(seen)}",)
+
+
+def _method_row(row: AucRow, *, held_out: bool) -> MethodRow:
+    """Return one line of the table; the paper's figures are those of contact, in-sample."""
     paper = None
-    if row.profile == "paper" and row.feature is not None and row.bins is not None:
+    compares = row.profile == "paper" and row.target == "contact" and row.protocol != "given-model"
+    if compares and row.feature is not None and row.bins is not None:
         paper = TABLE_4.get((row.feature, row.bins))
     name = f"{row.method} {row.feature}/{row.bins}" if row.method == "mpap" else row.method
     return MethodRow(
         method=name,
         profile=str(row.profile),
-        held_out=_auc(row),
-        in_sample=row.auc if row.protocol == "in-sample" else row.auc_in_sample,
+        held_out=_area(row) if held_out else Auc(),
+        in_sample=row.auc_in_sample if held_out else row.auc,
         paper=paper,
         clusters=row.clusters,
         meta_points=row.meta_points,
     )
 
 
-def _auc(row: AucRow) -> Auc:
-    """Return the held-out area; there is none in-sample."""
-    if row.protocol == "in-sample":
-        return Auc()
+def _area(row: AucRow) -> Auc:
+    """Return the area with its interval."""
     return Auc(row.auc, row.auc_low, row.auc_high)
 
 
-def _comparison(marks: Marks) -> Comparison:
-    """Return what a baseline reached."""
-    name = SPOKEN.get(marks.row.method, marks.row.method)
-    return Comparison(name, Auc(marks.row.auc, marks.row.auc_low, marks.row.auc_high))
+def _comparison(name: str, row: AucRow, *, held_out: bool) -> Comparison:
+    """Return what another method reached, marked where it has seen what it scores."""
+    return Comparison(name if held_out else f"{name}, in-sample", _area(row))
 
 
-def _protocol_detail(evaluation: Evaluation, variant: Variant) -> str:
+def _protocol_detail(evaluation: Evaluation) -> str:
     """Say what stands behind the name of the protocol."""
     folds = evaluation.timeline.sheet.folds.plan.n_folds
     words = [evaluation.protocol, count(folds, "fold")]
     if evaluation.protocol == "blocked":
-        words.append(f"{variant.settings.evaluation.guard_s:g} s guard")
+        words.append(_guard(evaluation.timeline.sheet.folds.plan))
     return ", ".join(words)
+
+
+def _guard(plan: FoldPlan) -> str:
+    """Return what is left out beside the blocks, which short ones make shorter."""
+    guards_s = (plan.guard_ns if plan.guard_ns is not None else np.zeros(1)) / NS_PER_S
+    low, high = (f"{value:.1f}".removesuffix(".0") for value in (guards_s.min(), guards_s.max()))
+    return f"{high} s guard" if low == high else f"{low} to {high} s guard"
 
 
 def _announced(evaluation: Evaluation) -> Announced | None:

@@ -51,6 +51,8 @@ def tell_of_presses(
 
 def tell_of_model(model: CollisionModel) -> None:
     """Say where the parameters do not suit the data."""
+    if model.meta_points.n_points == 0:
+        return
     check = model.self_check()
     if not model.clustering.converged:
         LOGGER.warning(

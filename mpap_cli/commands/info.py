@@ -10,21 +10,20 @@ import numpy as np
 from mpap_cli.commands.log_facts import (
     bump_facts,
     can_learn,
+    first_frame,
     image_facts,
-    rate,
-    role,
     scan_facts,
+    topic_facts,
 )
 from mpap_cli.commands.models import load_model
+from mpap_cli.commands.press_file import presses_by_hand
 from mpap_cli.commands.selection import LogSelection
-from mpap_cli.commands.sources import DAMAGED, open_readable
+from mpap_cli.commands.sources import DAMAGED, Source, open_readable, survey_source
 from mpap_cli.errors import LogError
-from mpap_cli.logs.reader import LogReader, expand_paths
-from mpap_cli.logs.replay import Replay
-from mpap_cli.logs.survey import survey_log
-from mpap_cli.logs.topics import choose_roles
+from mpap_cli.features.image_decode import decode_frame
+from mpap_cli.logs.reader import expand_paths
 from mpap_cli.observations import NS_PER_S, BoolArray, IntArray, Press
-from mpap_cli.params import BumperParams
+from mpap_cli.params import BumperParams, make_settings
 from mpap_cli.properties.presses import PressTracker
 from mpap_cli.systems.collision import CollisionModel
 
@@ -63,15 +62,13 @@ class Infos:
         return DAMAGED if damaged or self.unreadable else 0
 
 
-def info(selection: LogSelection, forward: str = "tf") -> Infos:
+def info(selection: LogSelection) -> Infos:
     """Look at logs, or at models and results folders.
 
     Parameters
     ----------
     selection : LogSelection
-        Paths, and the topics to take.
-    forward : str
-        Direction of travel in degrees, or ``tf``.
+        Paths, the topics to take, and what makes a press.
 
     Returns
     -------
@@ -82,16 +79,23 @@ def info(selection: LogSelection, forward: str = "tf") -> Infos:
     ------
     LogError
         If nothing could be read, or with ``strict`` if one log cannot be.
+    UsageError
+        If the selection does not fit a log.
     """
     infos = Infos()
     paths = [path for word in selection.logs for path in _paths(word)]
+    by_hand = presses_by_hand(selection, [path for path in paths if not _is_model(path)])
+    settings = selection.settings_for(make_settings())
+    n_read = 0
     for path in paths:
         if _is_model(path):
             infos.found.append(ModelInfo(path, load_model(path)))
             continue
         try:
             with open_readable(path, selection) as reader:
-                infos.found.append(_log_info(reader, selection, forward))
+                source = survey_source(reader, n_read, selection, settings, by_hand)
+                infos.found.append(_log_info(source))
+                n_read += 1
         except LogError as error:
             if selection.strict or len(paths) == 1:
                 raise
@@ -115,59 +119,55 @@ def _is_model(path: Path) -> bool:
     return path.suffix == ".npz"
 
 
-def _log_info(reader: LogReader, selection: LogSelection, forward: str) -> LogInfo:
+def _log_info(source: Source) -> LogInfo:
     """Read what a log holds: its topics, and the scans and bumps in full."""
-    roles = choose_roles(reader, selection.topic_choice)
-    survey = survey_log(reader, roles, forward)
-    replay = Replay(reader, roles, BumperParams(), selection.replay_options)
-    presses, stamps_ns = _replay(replay)
+    reader, roles, survey = source.reader, source.roles, source.survey
+    presses, stamps_ns = _replay(source)
     pressed = _pressed(stamps_ns, presses)
-    bump = bump_facts(roles, presses, pressed) if presses is not None else None
+    bump = bump_facts(source, presses, pressed) if presses is not None else None
+    frame = first_frame(reader, roles)
+    image = decode_frame(frame) if frame is not None else None
+    undecoded = roles.image is not None and image is None
     facts = {
         "path": str(reader.path),
         "container": reader.container,
         "start_stamp_ns": reader.start_ns,
         "duration_s": (reader.end_ns - reader.start_ns) / NS_PER_S,
         "messages": reader.n_messages,
-        "topics": [
-            {
-                "name": topic.name,
-                "type": topic.msgtype,
-                "messages": topic.n_messages,
-                "hz": rate(topic.n_messages, reader.end_ns - reader.start_ns),
-                "role": role(roles, topic.name),
-            }
-            for topic in reader.topics
-        ],
+        "topics": topic_facts(reader, roles),
         "bump": bump,
         "scan": scan_facts(roles, survey, len(stamps_ns)),
-        "image": image_facts(reader, roles),
+        "image": image_facts(roles, frame, image),
         "damage": [item.text for item in reader.damage],
         "warnings": [
             *reader.warnings,
             *roles.notes,
-            *(f"{count} skipped: {reason}" for reason, count in replay.skipped.items()),
+            *(f"{count} skipped: {reason}" for reason, count in source.replay.skipped.items()),
+            *(["the first image could not be decoded"] if undecoded else []),
         ],
-        "can_learn": can_learn(roles, presses, pressed),
+        "can_learn": can_learn(source, presses, pressed),
     }
     reasons = {"scan": roles.scan_reason, "bump": roles.bump_reason, "image": roles.image_reason}
+    if presses is not None:
+        reasons["bump"] = roles.bump_reason if roles.bumps else source.start.bump_source
     reasons["forward"] = survey.forward_source
     return LogInfo(reader.path.name, facts, reasons, survey.no_return_shares)
 
 
-def _replay(replay: Replay) -> tuple[tuple[Press, ...] | None, IntArray]:
+def _replay(source: Source) -> tuple[tuple[Press, ...] | None, IntArray]:
     """Return the presses (None without a bumper) and the stamps of all scans."""
     tracker = None
-    if replay.bump_kind is not None:
-        tracker = PressTracker(replay.bump_kind, BumperParams(), replay.hold_s)
+    if source.start.bump_kind is not None:
+        tracker = PressTracker(source.start.bump_kind, BumperParams(), source.start.hold_s)
     stamps = [np.empty(0, dtype=np.int64)]
-    for batch in replay:
+    for batch in source.batches(jobs=1):
         stamps.extend(block.stamps_ns for block in batch.scans)
         if tracker is not None:
             tracker.add(batch.bumps)
-    if tracker is not None:
-        tracker.end(replay.end_ns)
-    return None if tracker is None else tracker.presses, np.concatenate(stamps)
+    if tracker is None:
+        return source.start.presses, np.concatenate(stamps)
+    tracker.end(source.replay.end_ns)
+    return tracker.presses, np.concatenate(stamps)
 
 
 def _pressed(stamps_ns: IntArray, presses: tuple[Press, ...] | None) -> BoolArray:

@@ -1,11 +1,13 @@
 """``learn``: from logs to clusters with collision probabilities, one history in order."""
 
+import logging
 from dataclasses import dataclass
 from pathlib import Path
 
 from mpap_cli.commands.exemplars import draw_exemplars
 from mpap_cli.commands.hints import tell_of_heading, tell_of_model, tell_of_presses
 from mpap_cli.commands.models import load_model, save_model
+from mpap_cli.commands.press_file import press_inputs
 from mpap_cli.commands.progress import Progress, no_progress
 from mpap_cli.commands.recorder import Recorder
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
@@ -14,6 +16,7 @@ from mpap_cli.commands.settings import SettingsRequest, settings_from
 from mpap_cli.commands.sources import Losses, Source, open_sources
 from mpap_cli.errors import UsageError
 from mpap_cli.features.scan_features import FEW_BEAMS
+from mpap_cli.outputs.model_file import find_model
 from mpap_cli.outputs.recording import read_recording
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.results_reader import InputFile, describe_input
@@ -21,6 +24,7 @@ from mpap_cli.outputs.tables import write_csv
 from mpap_cli.systems.cluster_rows import ClusterRow
 from mpap_cli.systems.collision import CollisionModel
 
+LOGGER = logging.getLogger(__name__)
 CLUSTERS, MODEL, RECORDING, EXEMPLARS = (
     "clusters.csv",
     "model.npz",
@@ -92,7 +96,7 @@ def learn(
         If the results folder cannot be written.
     """
     keep_kernels_writable()
-    model = _model(settings, request.model)
+    model = _model(selection, settings, request.model)
     losses, inputs = Losses(), list[InputFile]()
     with one_thread_each(), ResultsFolder(request.out, "learn") as results:
         recording = results.path(RECORDING)
@@ -101,6 +105,10 @@ def learn(
                 _learn_log(model, recorder, source, request.jobs, progress)
                 inputs.append(describe_input(source.path))
             recorder.require_scans()
+        inputs += press_inputs(selection)
+        if request.model is not None:
+            inputs.append(describe_input(find_model(request.model)))
+        _require_observations(model)
         model.finish()
         observed = read_recording(recording)
         tell_of_heading(
@@ -116,6 +124,20 @@ def learn(
         values = selection.values(model.settings)
         results.commit(values, inputs, model.settings.affinity.seed)
     return learnt_of(model, clusters, results.folder, losses.exit_code)
+
+
+def _require_observations(model: CollisionModel) -> None:
+    """Refuse to publish a model that knows nothing.
+
+    Raises
+    ------
+    UsageError
+        If no scan gave a feature.
+    """
+    if model.meta_points.n_points == 0:
+        scan = model.settings.scan
+        msg = f"no scan could be used: {FEW_BEAMS} ({scan.bins} bins, --fov {scan.fov}); use fewer"
+        raise UsageError(msg)
 
 
 def learnt_of(
@@ -137,10 +159,13 @@ def learnt_of(
     )
 
 
-def _model(settings: SettingsRequest, older: Path | None) -> CollisionModel:
+def _model(
+    selection: LogSelection, settings: SettingsRequest, older: Path | None
+) -> CollisionModel:
     """Return a new model, or the older one that is to go on."""
     if older is None:
-        return CollisionModel(settings_from(settings))
+        # the model keeps the forward direction, for later logs of the same robot
+        return CollisionModel(selection.settings_for(settings_from(settings)))
     if not settings.says_nothing:
         msg = "--model goes on with the model's own settings; leave out --profile, --set and such"
         raise UsageError(msg)
@@ -158,6 +183,8 @@ def _learn_log(
         n_scans += sum(len(block.stamps_ns) for block in batch.scans)
         n_learnt += sum(len(block.ids) for block in learnt)
     source.skipped[FEW_BEAMS] += n_scans - n_learnt
+    if (source.name, source.start.start_ns) in {(log.name, log.start_ns) for log in model.logs}:
+        LOGGER.warning("%s: learnt before; its scans and presses count twice", source.name)
     presses = model.end_log(source.replay.end_ns)
     recorder.end_log(source, presses)
     tell_of_presses(source, presses, recorder.scan_span)

@@ -4,12 +4,15 @@ from typing import Any
 
 import numpy as np
 
-from mpap_cli.features.image_decode import decode_frame
+from mpap_cli.commands.sources import Source
+from mpap_cli.errors import LogError
+from mpap_cli.features.image_decode import Image
 from mpap_cli.logs.frames import read_frame
+from mpap_cli.logs.listing import messages_of
 from mpap_cli.logs.reader import LogReader
 from mpap_cli.logs.survey import Survey
 from mpap_cli.logs.topics import Roles
-from mpap_cli.observations import NS_PER_S, BoolArray, Press
+from mpap_cli.observations import NS_PER_S, BoolArray, Frame, Press
 from mpap_cli.outputs.evaluate_text import count
 
 RETURNS = "valid"
@@ -30,12 +33,28 @@ def rate(n_messages: int, duration_ns: int) -> float | None:
     return round(n_messages * NS_PER_S / duration_ns, 2) if duration_ns > 0 else None
 
 
-def bump_facts(roles: Roles, presses: tuple[Press, ...], pressed: BoolArray) -> dict[str, Any]:
-    """Describe the bumper."""
+def topic_facts(reader: LogReader, roles: Roles) -> list[dict[str, Any]]:
+    """Describe every topic."""
+    duration_ns = reader.end_ns - reader.start_ns
+    return [
+        {
+            "name": topic.name,
+            "type": topic.msgtype,
+            "messages": topic.n_messages,
+            "hz": rate(topic.n_messages, duration_ns),
+            "role": role(roles, topic.name),
+        }
+        for topic in reader.topics
+    ]
+
+
+def bump_facts(source: Source, presses: tuple[Press, ...], pressed: BoolArray) -> dict[str, Any]:
+    """Describe the bumper; of presses from scans or a file the semantics only."""
+    roles = source.roles.bumps
     return {
-        "topic": ", ".join(role.topic.name for role in roles.bumps),
-        "type": roles.bumps[0].topic.msgtype,
-        "semantics": roles.bumps[0].rule.kind,
+        "topic": ", ".join(role.topic.name for role in roles) or None,
+        "type": roles[0].topic.msgtype if roles else None,
+        "semantics": roles[0].rule.kind if roles else source.start.bump_source.partition(" ")[0],
         "presses": len(presses),
         "scans_pressed": int(pressed.sum()),
         "pressed_s": sum(press.end_ns - press.start_ns for press in presses) / NS_PER_S,
@@ -55,28 +74,39 @@ def scan_facts(roles: Roles, survey: Survey, n_scans: int) -> dict[str, Any] | N
     }
 
 
-def image_facts(reader: LogReader, roles: Roles) -> dict[str, Any] | None:
-    """Describe the camera by its first image."""
+def first_frame(reader: LogReader, roles: Roles) -> Frame | None:
+    """Return the first image of the camera, None if there is none or it is broken."""
+    message = next(messages_of(reader, roles.image), None) if roles.image is not None else None
+    try:
+        return read_frame(reader, message) if message is not None else None
+    except LogError:
+        return None
+
+
+def image_facts(roles: Roles, frame: Frame | None, image: Image | None) -> dict[str, Any] | None:
+    """Describe the camera by its first image; no size if that is broken."""
     if roles.image is None:
         return None
-    message = next(iter(reader.messages([roles.image.name])))
-    frame = read_frame(reader, message)
-    image = decode_frame(frame)
-    height, width = (frame.height, frame.width) if image is None else image.shape[:2]
+    height, width = (frame.height or None, frame.width or None) if frame else (None, None)
+    if image is not None:
+        height, width = image.shape[:2]
     return {
         "topic": roles.image.name,
         "images": roles.image.n_messages,
-        "width": int(width),
-        "height": int(height),
-        "encoding": frame.encoding,
+        "width": width,
+        "height": height,
+        "encoding": frame.encoding if frame is not None else None,
     }
 
 
-def can_learn(roles: Roles, presses: tuple[Press, ...] | None, pressed: BoolArray) -> str:
-    """Say in words what could be learnt from the log."""
+def can_learn(source: Source, presses: tuple[Press, ...] | None, pressed: BoolArray) -> str:
+    """Say in words what could be learnt from the log; ``pressed`` has one entry a scan."""
+    roles = source.roles
     if roles.scan is None:
         several = f"choose one of {', '.join(roles.scan_candidates)}"
         laser = f"laser model: {several if roles.scan_candidates else 'no scans'}"
+    elif not pressed.size:
+        laser = "laser model: no scan was read"
     elif presses is None:
         laser = "laser model: clusters only (no bumper; --bump-topic or --bump-from give labels)"
     elif not presses:
@@ -85,14 +115,16 @@ def can_learn(roles: Roles, presses: tuple[Press, ...] | None, pressed: BoolArra
         laser = f"laser model: yes, {count(len(presses), 'press')}, but no scan without collision"
     else:
         laser = f"laser model: yes, {count(len(presses), 'press')}"
-    parts = [laser, f"held-out AUC: {_held_out(presses, pressed)}"]
+    parts = [laser, f"held-out AUC: {_held_out(source, presses, pressed)}"]
     if roles.image is not None:
         parts.append("camera: yes" if presses else "camera: no presses, novelty only")
     return "; ".join(parts)
 
 
-def _held_out(presses: tuple[Press, ...] | None, pressed: BoolArray) -> str:
+def _held_out(source: Source, presses: tuple[Press, ...] | None, pressed: BoolArray) -> str:
     """Say whether a press can be scored by a model that never saw it."""
+    if source.bump_distance_m is not None:
+        return "not from presses that are made of the scans themselves"
     if pressed.any() and not pressed.all() and presses is not None:
         return "possible" if len(presses) > 1 else "with other logs (one press only)"
     return "not from this log alone"

@@ -7,9 +7,10 @@ from mpap_cli.commands.hints import tell_of_model
 from mpap_cli.commands.learn import CLUSTERS, MODEL, Learnt, learnt_of
 from mpap_cli.commands.models import load_model, save_model
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
+from mpap_cli.errors import UsageError
 from mpap_cli.outputs.model_file import find_model
 from mpap_cli.outputs.results_folder import ResultsFolder
-from mpap_cli.outputs.results_reader import describe_input
+from mpap_cli.outputs.results_reader import InputFile, describe_input
 from mpap_cli.outputs.tables import write_csv
 from mpap_cli.params import settings_values
 from mpap_cli.systems.cluster_rows import ClusterRow
@@ -35,19 +36,32 @@ def merge(models: Sequence[Path], out: Path) -> Learnt:
     ------
     ModelError
         If one cannot be used, or their settings differ.
+    UsageError
+        If two are the same, whose scans would count twice.
     OutputError
         If the results folder cannot be written.
     """
     keep_kernels_writable()
     with one_thread_each(), ResultsFolder(out, "merge") as results:
+        inputs = _inputs(models)
         merged = merge_models([load_model(path) for path in models])
         tell_of_model(merged)
         clusters = merged.clusters()
         write_csv(results.path(CLUSTERS), ClusterRow, clusters)
         save_model(results.path(MODEL), merged)
-        inputs = sorted(
-            (describe_input(find_model(path)) for path in models), key=lambda one: one.sha256
-        )
         settings = {**settings_values(merged.settings), "profile": merged.settings.profile}
         results.commit(settings, inputs, merged.settings.affinity.seed)
     return learnt_of(merged, clusters, results.folder, exit_code=0)
+
+
+def _inputs(models: Sequence[Path]) -> list[InputFile]:
+    """Describe the model files in an order of their own; none may be given twice."""
+    described: dict[str, tuple[Path, InputFile]] = {}
+    for path in models:
+        one = describe_input(find_model(path))
+        if one.sha256 in described:
+            other = described[one.sha256][0]
+            msg = f"merge: {other} and {path} are the same model; name it once"
+            raise UsageError(msg)
+        described[one.sha256] = path, one
+    return [described[sha256][1] for sha256 in sorted(described)]

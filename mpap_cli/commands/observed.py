@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from mpap_cli.commands.press_file import press_inputs
 from mpap_cli.commands.progress import Progress
 from mpap_cli.commands.recorder import Recorder
 from mpap_cli.commands.selection import LogSelection
@@ -34,16 +35,32 @@ class ObservedInput:
     exit_code: int = 0
 
 
-def learnt_last(out: Path) -> ObservedInput:
+def learnt_last(out: Path, selection: LogSelection) -> ObservedInput:
     """Return the logs and settings of the last ``learn`` in a results folder.
+
+    Parameters
+    ----------
+    out : Path
+        Results folder.
+    selection : LogSelection
+        What was said of logs: nothing, since none is read.
+
+    Returns
+    -------
+    ObservedInput
+        As recorded.
 
     Raises
     ------
     UsageError
-        If nothing was learnt there, or no recording was kept.
+        If nothing was learnt there, no recording was kept, or something was said.
     OutputError
         If the results are mixed or damaged.
     """
+    if selection.options_said:
+        option = selection.options_said[0]
+        msg = f"{option} needs LOG; without LOG evaluate scores what was learnt"
+        raise UsageError(msg)
     folder = out / "learn"
     if not has_results(folder):
         msg = f"{folder}: nothing learnt yet; run mpap learn LOG... first, or name the logs"
@@ -58,10 +75,10 @@ def learnt_last(out: Path) -> ObservedInput:
         logs=tuple(read_recording(results.path(RECORDING))),
         inputs=results.inputs,
         learnt=make_settings(str(results.settings["profile"]), values),
-        values={
+        values={  # what is scored may be of another profile, but not of another forward
             key: value
             for key, value in results.settings.items()
-            if key not in keys and key != "profile"  # what is scored may be of another
+            if (key not in keys and key != "profile") or key == "forward"
         },
     )
 
@@ -89,6 +106,7 @@ def observe_logs(
             recorder.end_log(source, _presses(source, settings, recorder, jobs, progress))
             inputs.append(describe_input(source.path))
         recorder.require_scans()
+    inputs += press_inputs(selection)
     return ObservedInput(
         logs=tuple(read_recording(recording)),
         inputs=tuple(inputs),

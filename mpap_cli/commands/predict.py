@@ -13,8 +13,10 @@ from mpap_cli.evaluation.leads import LeadSummary
 from mpap_cli.evaluation.rows import PressRow, TimelineRow
 from mpap_cli.evaluation.scoring import Variant, evaluate_all
 from mpap_cli.evaluation.sheets import Question
+from mpap_cli.outputs.model_file import find_model
 from mpap_cli.outputs.plots import plot_timeline
 from mpap_cli.outputs.results_folder import ResultsFolder
+from mpap_cli.outputs.results_reader import describe_input
 from mpap_cli.outputs.tables import write_csv
 
 
@@ -82,7 +84,8 @@ def predict(
         plot_timeline(results.path("timeline.png"), timelines_of(timeline), request.threshold)
         drop_recording(results)
         values = {**selection.values(model.settings), "threshold": request.threshold}
-        results.commit(values, observed.inputs, model.settings.affinity.seed)
+        inputs = [*observed.inputs, describe_input(find_model(request.model))]
+        results.commit(values, inputs, model.settings.affinity.seed)
     return Predicted(
         folder=results.folder,
         n_logs=len(observed.logs),

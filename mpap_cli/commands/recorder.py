@@ -67,7 +67,7 @@ class Recorder:
             If there was none.
         """
         if self.n_scans == 0:
-            msg = "no scan was read; --start and --end leave nothing of the logs"
+            msg = "no scan was read from the logs; check --start, --end and --scan-topic"
             raise UsageError(msg)
 
     def end_log(self, source: Source, presses: tuple[Press, ...] | None) -> None:

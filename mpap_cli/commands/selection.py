@@ -1,6 +1,6 @@
 """Which logs a user names, and what to read in them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,13 +9,28 @@ from mpap_cli.logs.replay import ReplayOptions
 from mpap_cli.logs.topics import TopicChoice
 from mpap_cli.params import Settings, settings_values
 
+OPTIONS = {
+    "scan_topic": "--scan-topic",
+    "image_topic": "--image-topic",
+    "bump_topics": "--bump-topic",
+    "bump_from": "--bump-from",
+    "bump_distance_m": "--bump-distance",
+    "forward": "--forward",
+    "start": "--start",
+    "end": "--end",
+    "time_source": "--time-source",
+    "msgs": "--msgs",
+    "strict": "--strict",
+}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogSelection:
     """Which logs to read, and what in them.
 
     ``logs`` are paths or globs; ``start`` and ``end`` are texts as after ``--start``;
-    ``bump_from`` is topic, scan, none or the path of a CSV with presses.
+    ``bump_from`` is topic, scan, none or the path of a CSV with presses; ``forward``
+    degrees or tf, None where the settings say it.
     """
 
     logs: tuple[str, ...] = ()
@@ -24,6 +39,7 @@ class LogSelection:
     bump_topics: tuple[str, ...] = ()
     bump_from: str = "topic"
     bump_distance_m: float = 0.25
+    forward: str | None = None
     start: str | None = None
     end: str | None = None
     time_source: TimeSource = "log"
@@ -31,9 +47,22 @@ class LogSelection:
     strict: bool = False
 
     @property
+    def press_file(self) -> Path | None:
+        """The CSV with presses, if they come from one."""
+        return None if self.bump_from in {"topic", "scan", "none"} else Path(self.bump_from)
+
+    @property
+    def options_said(self) -> tuple[str, ...]:
+        """The options that were given another value than their default."""
+        defaults = {item.name: item.default for item in fields(self)}
+        return tuple(
+            option for name, option in OPTIONS.items() if getattr(self, name) != defaults[name]
+        )
+
+    @property
     def topic_choice(self) -> TopicChoice:
         """The part of the selection that chooses topics."""
-        kind = self.bump_from if self.bump_from in {"topic", "scan", "none"} else "file"
+        kind = "file" if self.press_file else self.bump_from
         return TopicChoice(
             scan=self.scan_topic, image=self.image_topic, bumps=self.bump_topics, bump_from=kind
         )
@@ -43,10 +72,22 @@ class LogSelection:
         """The part of the selection that says what is replayed."""
         return ReplayOptions(start=self.start, end=self.end, time_source=self.time_source)
 
+    def settings_for(self, settings: Settings) -> Settings:
+        """Return the settings with the forward direction of these logs.
+
+        Raises
+        ------
+        SettingError
+            If it is neither tf nor degrees.
+        """
+        if self.forward is None:
+            return settings
+        return replace(settings, scan=replace(settings.scan, forward=self.forward))
+
     def values(self, settings: Settings) -> dict[str, Any]:
         """Return all that can change results, for settings.json: no paths, no threads."""
         return {
-            **settings_values(settings),
+            **settings_values(self.settings_for(settings)),
             "profile": settings.profile,
             "scan-topic": self.scan_topic,
             "image-topic": self.image_topic,

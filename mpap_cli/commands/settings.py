@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mpap_cli.errors import SettingError, UsageError
+from mpap_cli.errors import MpapError, SettingError, UsageError
 from mpap_cli.params import PROFILES, Settings, make_settings, setting_fields, settings_values
 
 
@@ -22,6 +22,11 @@ class SettingsRequest:
     config: Path | None = None
     pairs: tuple[str, ...] = ()
     flags: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def selects_profile(self) -> bool:
+        """Whether a profile was asked for, so that learnt settings count no more."""
+        return (self.profile or self.feature or self.bins) is not None
 
     @property
     def says_nothing(self) -> bool:
@@ -64,8 +69,20 @@ def profile_of(request: SettingsRequest) -> str:
     return request.profile or ("paper" if papers else "robust")
 
 
-def settings_from(request: SettingsRequest) -> Settings:
+def settings_from(request: SettingsRequest, learnt: Settings | None = None) -> Settings:
     """Build checked settings; ``--feature all`` and several bins are the caller's to unfold.
+
+    Parameters
+    ----------
+    request : SettingsRequest
+        What was asked for.
+    learnt : Settings, optional
+        What the request is laid over, unless it selects a profile.
+
+    Returns
+    -------
+    Settings
+        Checked.
 
     Raises
     ------
@@ -73,6 +90,8 @@ def settings_from(request: SettingsRequest) -> Settings:
         If a key or value does not exist, or the file is no TOML of keys and values.
     """
     values, _ = _collect(request)
+    if learnt is not None and not request.selects_profile:
+        return make_settings(learnt.profile, {**settings_values(learnt), **values})
     return make_settings(profile_of(request), values)
 
 
@@ -120,7 +139,10 @@ def _read_toml(path: Path) -> dict[str, str]:
     try:
         with path.open("rb") as file:
             loaded = tomllib.load(file)
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except OSError as error:
+        msg = f"--config {path}: {(error.strerror or str(error)).lower()}"
+        raise MpapError(msg) from error
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         msg = f"--config {path.name}: {error}"
         raise SettingError(msg) from error
     texts = {}

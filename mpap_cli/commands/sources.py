@@ -2,12 +2,13 @@
 
 import logging
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from mpap_cli.commands.press_file import presses_by_hand
 from mpap_cli.commands.selection import LogSelection
-from mpap_cli.errors import LogError, UsageError
+from mpap_cli.errors import LogError
 from mpap_cli.logs.reader import Damage, LogReader, expand_paths, open_log
 from mpap_cli.logs.replay import Replay
 from mpap_cli.logs.survey import Survey, survey_log
@@ -15,12 +16,7 @@ from mpap_cli.logs.topics import Roles, choose_roles, require_scan
 from mpap_cli.observations import Batch
 from mpap_cli.outputs.evaluate_text import count
 from mpap_cli.params import Settings
-from mpap_cli.properties.press_files import (
-    PressRow,
-    names_without_log,
-    presses_from_csv,
-    presses_of_log,
-)
+from mpap_cli.properties.press_files import PressRow, presses_of_log
 from mpap_cli.properties.presses import with_virtual_bumps
 from mpap_cli.systems.labelling import LogStart
 from mpap_cli.systems.stream import prefetch
@@ -103,8 +99,9 @@ def open_sources(selection: LogSelection, settings: Settings, losses: Losses) ->
     UsageError
         If a log has no scan topic, or several.
     """
-    paths = expand_paths(selection.logs)
-    by_hand = _presses_by_hand(selection, paths)
+    paths = _each_once(selection)
+    settings = selection.settings_for(settings)
+    by_hand = presses_by_hand(selection, paths)
     index, latest_start_ns = 0, None
     for path in paths:
         try:
@@ -116,7 +113,9 @@ def open_sources(selection: LogSelection, settings: Settings, losses: Losses) ->
             losses.left_out.append(path.name)
             continue
         with reader:
-            source = _source(reader, index, selection, settings, by_hand)
+            source = survey_source(reader, index, selection, settings, by_hand)
+            require_scan(source.roles, source.name)
+            _tell_of(source)
             if latest_start_ns is not None and reader.start_ns < latest_start_ns:
                 LOGGER.warning("%s: starts before the log given before it", path.name)
             latest_start_ns = reader.start_ns
@@ -146,18 +145,41 @@ def open_readable(path: Path, selection: LogSelection) -> LogReader:
     return reader
 
 
-def _source(
+def survey_source(
     reader: LogReader,
     index: int,
     selection: LogSelection,
     settings: Settings,
     by_hand: dict[str, tuple[PressRow, ...]] | None,
 ) -> Source:
-    """Choose topics, survey, and say where presses come from."""
+    """Choose the topics of an open log, survey it, and find where presses come from.
+
+    Parameters
+    ----------
+    reader : LogReader
+        An open log.
+    index : int
+        Its place among the logs that could be read.
+    selection : LogSelection
+        Topics, and what makes a press.
+    settings : Settings
+        Forward direction and bumper settings.
+    by_hand : dict or None
+        As from :func:`presses_by_hand`.
+
+    Returns
+    -------
+    Source
+        Without scans too; who needs some asks for them.
+
+    Raises
+    ------
+    UsageError
+        If a topic asked for cannot play its role, or a press begins after the log.
+    """
     name = reader.path.name
     roles = choose_roles(reader, selection.topic_choice)
-    require_scan(roles, name)
-    survey = survey_log(reader, roles, settings.scan.forward)
+    survey = survey_log(reader, roles, settings.scan.forward_rad())
     replay = Replay(reader, roles, settings.bumper, selection.replay_options)
     kind, hold_s, presses, words = None, None, None, "none"
     if by_hand is not None:
@@ -169,12 +191,6 @@ def _source(
     elif roles.bumps:
         kind, hold_s = replay.bump_kind, replay.hold_s
         words = f"bumper {', '.join(role.topic.name for role in roles.bumps)}"
-    LOGGER.info(
-        "%s: scans from %s (%s), presses from %s", name, roles.scan.name if roles.scan else "",
-        roles.scan_reason, words if words != "none" else roles.bump_reason,
-    )  # fmt: skip
-    for warning in (*reader.warnings, *(f"{name}: {note}" for note in roles.notes)):
-        LOGGER.warning("%s", warning)
     start = LogStart(
         name=name,
         start_ns=reader.start_ns,
@@ -189,16 +205,22 @@ def _source(
     return Source(name, reader.path, index, reader, roles, survey, replay, start, distance_m)
 
 
-def _presses_by_hand(
-    selection: LogSelection, paths: Sequence[Path]
-) -> dict[str, tuple[PressRow, ...]] | None:
-    """Read the file of --bump-from, if it is one; it must name none but the logs."""
-    if selection.topic_choice.bump_from != "file":
-        return None
-    file = Path(selection.bump_from)
-    rows = presses_from_csv(file)
-    unknown = names_without_log(rows, [path.name for path in paths])
-    if unknown:
-        msg = f"--bump-from {file.name}: names {', '.join(unknown)}, which is no log given"
-        raise UsageError(msg)
-    return rows
+def _tell_of(source: Source) -> None:
+    """Say what was chosen, and what is odd about the log."""
+    name, roles, presses_from = source.name, source.roles, source.start.bump_source
+    LOGGER.info(
+        "%s: scans from %s (%s), presses from %s", name, roles.scan.name if roles.scan else "",
+        roles.scan_reason, presses_from if presses_from != "none" else roles.bump_reason,
+    )  # fmt: skip
+    for warning in (*source.reader.warnings, *(f"{name}: {note}" for note in roles.notes)):
+        LOGGER.warning("%s", warning)
+
+
+def _each_once(selection: LogSelection) -> list[Path]:
+    """Return the logs in the order given; what is given twice is read once."""
+    found: dict[Path, Path] = {}
+    for path in (path for word in selection.logs for path in expand_paths([word])):
+        if path.resolve() in found:
+            LOGGER.warning("%s: given twice; read once", path.name)
+        found.setdefault(path.resolve(), path)
+    return list(found.values())

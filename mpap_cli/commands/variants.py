@@ -6,7 +6,7 @@ from mpap_cli.commands.settings import SettingsRequest, settings_from
 from mpap_cli.errors import SettingError
 from mpap_cli.evaluation.scoring import Variant
 from mpap_cli.evaluation.sweep import parse_sweep, sweep_variants
-from mpap_cli.params import PAPER_FEATURES, Settings, make_settings
+from mpap_cli.params import PAPER_FEATURES, Settings
 from mpap_cli.systems.collision import CollisionModel
 
 METHOD = "mpap"
@@ -28,30 +28,27 @@ def make_variants(
     sweep : str or None
         KEY=V1,V2,...
     learnt : Settings or None
-        What ``learn`` wrote; None where logs were given.
+        What ``learn`` wrote; None where nothing was learnt.
     model : CollisionModel or None
         A model that is scored as it is.
 
     Returns
     -------
     list of Variant
-        As asked; then as learnt, if that is other; then the sweep.
+        As asked; then as learnt, if that is other; then the sweep. What was asked is laid
+        over what was learnt, unless it selects a profile.
 
     Examples
     --------
     >>> asked = SettingsRequest(feature="all", bins="6,12")
     >>> len(make_variants(asked, None, None, None))
-    11
+    10
     """
     if model is not None:
         return [Variant(METHOD, model.settings)]
-    as_learnt = learnt or make_settings()
-    if request.says_nothing:
-        variants = [Variant(METHOD, as_learnt)]
-    else:
-        variants = [Variant(METHOD, settings_from(one)) for one in _unfold(request)]
-        if as_learnt not in [variant.settings for variant in variants]:
-            variants.append(Variant(AS_LEARNT, as_learnt))
+    variants = [Variant(METHOD, settings_from(one, learnt)) for one in _unfold(request)]
+    if learnt is not None and learnt not in [variant.settings for variant in variants]:
+        variants.append(Variant(AS_LEARNT, learnt))
     if sweep is not None:
         variants.extend(sweep_variants(variants[0].settings, parse_sweep(sweep)))
     return variants

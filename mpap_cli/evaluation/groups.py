@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from mpap_cli.errors import UsageError
+from mpap_cli.errors import MpapError, UsageError
 from mpap_cli.observations import ObservedLog
 
 
@@ -76,7 +76,10 @@ def _listed_groups(path: Path) -> dict[str, str]:
                 msg = f"--groups {path.name}: found columns {table.fieldnames}, need log and group"
                 raise UsageError(msg)
             return {row["log"]: row["group"] or "" for row in table}
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except OSError as error:
+        msg = f"--groups {path}: {(error.strerror or str(error)).lower()}"
+        raise MpapError(msg) from error
+    except (UnicodeDecodeError, csv.Error) as error:
         msg = f"--groups {path.name}: cannot be read: {error}"
         raise UsageError(msg) from error
 

@@ -212,14 +212,12 @@ def _in_sample_area(asked: Asked, sheet: Sheet, outcome: Outcome) -> float | Non
 
 def _reason(asked: Asked, sheet: Sheet, scored: Scored) -> str:
     """Say in words why there is no area."""
-    if asked.circular:
-        return CIRCULAR
-    if not (sheet.truth == 1).any():
-        return f"no positive scan for target {asked.target}"
-    if not (sheet.truth == 0).any():
-        return f"no negative scan for target {asked.target}"
-    if sheet.folds.plan.reason:
-        return sheet.folds.plan.reason
-    if scored.score.size == 0:
-        return "no fold has both classes to learn from"
-    return "no fold has both classes to score"
+    reasons = (
+        (asked.circular, CIRCULAR),
+        (sheet.rows.n_scans == 0, "no scan could be used"),
+        (not (sheet.truth == 1).any(), f"no positive scan for target {asked.target}"),
+        (not (sheet.truth == 0).any(), f"no negative scan for target {asked.target}"),
+        (sheet.folds.plan.reason != "", sheet.folds.plan.reason),
+        (scored.score.size == 0, "no fold has both classes to learn from"),
+    )
+    return next((words for holds, words in reasons if holds), "no fold has both classes to score")

@@ -116,6 +116,9 @@ def choose_protocol(
         if asked == "leave-one-group-out" and groups is None:
             msg = "--protocol leave-one-group-out: needs --groups folder, REGEX or FILE.csv"
             raise UsageError(msg)
+        if asked != "leave-one-group-out" and groups is not None:
+            msg = f"--groups goes with leave-one-group-out, not with {asked}; leave out one of them"
+            raise UsageError(msg)
         return asked, "asked for"
     if groups is not None:
         return "leave-one-group-out", "groups were given"

@@ -106,7 +106,8 @@ def evaluate_all(
     marks = [one.marks for one in found]
     if baselines:
         marks += _score_baselines(question, first, rows[raw])
-    _log.info("protocol %s: %s", first.sheet.protocol, first.sheet.protocol_reason)
+    if question.model is None:
+        _log.info("protocol %s: %s", first.sheet.protocol, first.sheet.protocol_reason)
     return Evaluation(
         marks=tuple(marks),
         timeline=make_timeline(
@@ -148,6 +149,8 @@ def _score_variant(question: Question, method: str, settings: Settings, rows: Sc
     )
     marks = mark(name, _asked(question, settings), sheet, (_outcome(held_out), in_sample))
     shown = held_out if sheet.folds.plan.n_folds else of_all
+    # clusters.csv lists those of the model of all scans
+    shown = replace(shown, cluster=of_all.cluster)
     return _Scored(marks, sheet, shown, model, settings)
 
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from mpap_cli.errors import UsageError
 from mpap_cli.params import TARGETS, Settings
 
+LONGEST_S = 86_400.0
+
 
 @dataclass(frozen=True, slots=True)
 class Target:
@@ -56,7 +58,7 @@ def parse_target(text: str) -> Target:
         early_s = float(number)
     except ValueError:
         early_s = math.nan
-    if name != "early" or not colon or not 0 < early_s < math.inf:
+    if name != "early" or not colon or not 0 < early_s <= LONGEST_S:
         msg = f"--target: found {text}, expected contact, onset or early:SECONDS"
         raise UsageError(msg)
     return Target(name, early_s)

@@ -14,7 +14,6 @@ F64 = Float64Array
 I64 = IntArray
 
 MIN, MAX, MEAN, SPAN, STEP, SLOPE = range(6)
-N_CODES = 8
 DROPPED = -1.0
 LANES = 32
 
@@ -23,11 +22,10 @@ _INF = np.float32(np.inf)
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def _clean_row(row: F32, limits: F32, cleaned: F32, counts: I64) -> None:
-    """Write the cleaned ranges of one scan and add to the counts of the beam codes."""
+def _clean_row(row: F32, limits: F32, cleaned: F32) -> None:
+    """Write the cleaned ranges of one scan."""
     range_min, reach, cap = limits[0], limits[1], limits[2]
     near, zero, none = limits[3], limits[4], limits[5]
-    n_below = n_zero = n_negative = n_nan = n_inf = n_minus_inf = n_above = np.int32(0)
     for i in range(row.size):
         r = row[i]
         value = min(cap, r)
@@ -38,25 +36,13 @@ def _clean_row(row: F32, limits: F32, cleaned: F32, counts: I64) -> None:
         value = zero if r == _ZERO else value
         value = none if r != r else value  # noqa: PLR0124  # NaN is not equal to itself
         cleaned[i] = value
-        n_below += np.int32((r > _ZERO) & (r < range_min))
-        n_zero += np.int32(r == _ZERO)
-        n_negative += np.int32((r < _ZERO) & (r > -_INF))
-        n_nan += np.int32(r != r)  # noqa: PLR0124  # the same
-        n_inf += np.int32(r == _INF)
-        n_minus_inf += np.int32(r == -_INF)
-        n_above += np.int32((r > reach) & (r < _INF))
-    n_other = n_below + n_zero + n_negative + n_nan + n_inf + n_minus_inf + n_above
-    n_valid = np.int32(row.size) - n_other
-    found = (n_valid, n_below, n_zero, n_negative, n_nan, n_inf, n_minus_inf, n_above)
-    for code in range(N_CODES):
-        counts[code] += found[code]
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def _clean_block(ranges: F32, limits: F32, cleaned: F32, counts: I64) -> None:
+def _clean_block(ranges: F32, limits: F32, cleaned: F32) -> None:
     """Clean every scan of a block."""
     for i in range(ranges.shape[0]):
-        _clean_row(ranges[i], limits, cleaned[i], counts)
+        _clean_row(ranges[i], limits, cleaned[i])
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
@@ -150,7 +136,6 @@ def _bin_block(  # a kernel takes plain arrays
     held: F64,
     values: F64,
     nearest: F32,
-    counts: I64,
 ) -> None:
     """Clean, bin and reduce every scan of a block in one pass, LANES scans side by side.
 
@@ -169,7 +154,7 @@ def _bin_block(  # a kernel takes plain arrays
     for first in range(0, n_scans, LANES):
         last = min(first + LANES, n_scans)
         for i in range(first, last):
-            _clean_row(ranges[i], limits, cleaned, counts)
+            _clean_row(ranges[i], limits, cleaned)
             for k in range(n_turn):
                 beams[k, i - first] = cleaned[k]
         for b in range(n_bins):
@@ -211,18 +196,17 @@ def _window_minimum(
                 minima[i - n_before, column] = values[queue[head], column]
 
 
-def clean_block(ranges: F32, limits: F32) -> tuple[F32, I64]:
-    """Return cleaned ranges (n, n_beams) and counts of beam codes (8,); see RangeLimits."""
+def clean_block(ranges: F32, limits: F32) -> F32:
+    """Return cleaned ranges (n, n_beams); see RangeLimits."""
     cleaned = np.empty(ranges.shape, np.float32)
-    counts = np.zeros(N_CODES, np.int64)
-    _clean_block(ranges, limits, cleaned, counts)
-    return cleaned, counts
+    _clean_block(ranges, limits, cleaned)
+    return cleaned
 
 
 def bin_block(
     ranges: F32, limits: F32, runs: I64, n_turn: int, statistics: I64, held: F64
-) -> tuple[F64, F32, I64]:
-    """Return values (statistics, n, bins), nearest ahead (n,) and counts of codes (8,).
+) -> tuple[F64, F32]:
+    """Return values (statistics, n, bins) and nearest ahead (n,).
 
     ``runs`` (bins + 1, 2) are runs start..stop-1 of beams, counted on over the end of the
     turn of ``n_turn`` beams, the last of them the beams ahead. ``held`` (statistics, bins)
@@ -232,9 +216,8 @@ def bin_block(
     n_scans, n_bins = ranges.shape[0], runs.shape[0] - 1
     values = np.empty((statistics.size, n_scans, n_bins), np.float64)
     nearest = np.empty(n_scans, np.float32)
-    counts = np.zeros(N_CODES, np.int64)
-    _bin_block(ranges, limits, runs, n_turn, statistics, held, values, nearest, counts)
-    return values, nearest, counts
+    _bin_block(ranges, limits, runs, n_turn, statistics, held, values, nearest)
+    return values, nearest
 
 
 def window_minimum(stamps_ns: I64, values: F64, n_before: int, window_ns: int) -> F64:

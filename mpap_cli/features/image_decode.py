@@ -22,7 +22,7 @@ def decode_frame(frame: Frame) -> Image | None:
     Returns
     -------
     ndarray of shape (height, width, 3) or None
-        None if the image is cut off, or of an encoding that is not read.
+        None if the image is cut off, without pixels, or of an encoding that is not read.
 
     Examples
     --------
@@ -33,7 +33,8 @@ def decode_frame(frame: Frame) -> Image | None:
         return _decode_compressed(frame.payload)
     channels = CHANNELS.get(frame.encoding)
     row = frame.width * (channels or 0)
-    if channels is None or frame.step < row or len(frame.payload) < frame.step * frame.height:
+    whole = 0 < row <= frame.step and 0 < frame.step * frame.height <= len(frame.payload)
+    if channels is None or not whole:
         return None
     padded = np.frombuffer(frame.payload, dtype=np.uint8, count=frame.step * frame.height)
     pixels = padded.reshape(frame.height, frame.step)[:, :row]
@@ -48,7 +49,10 @@ def _decode_compressed(payload: bytes) -> Image | None:
 
     if not payload:
         return None
-    decoded: NDArray[Any] | None = cv2.imdecode(
-        np.frombuffer(payload, dtype=np.uint8), cv2.IMREAD_COLOR
-    )
+    try:
+        decoded: NDArray[Any] | None = cv2.imdecode(
+            np.frombuffer(payload, dtype=np.uint8), cv2.IMREAD_COLOR
+        )
+    except cv2.error:  # the header states a size that no image has
+        return None
     return None if decoded is None else decoded.astype(np.uint8, copy=False)

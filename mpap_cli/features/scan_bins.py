@@ -26,6 +26,9 @@ EDGE_TOLERANCE = 1e-3
 WHOLE_SCAN_DEGREES = 200.0
 _TURN = 2 * math.pi
 _MIN_BEAMS = 2
+# No scanner is finer or coarser, or begins some turns off: such a message is broken.
+_FINEST, _COARSEST = 1e-6, math.pi / 2
+_FARTHEST_ANGLE = 8 * math.pi
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,8 +92,8 @@ def lay_out_bins(geometry: ScanGeometry, forward_rad: float, params: ScanParams)
     """
     increment = abs(geometry.angle_increment)
     clockwise = geometry.angle_increment < 0
-    sound = geometry.n_beams >= _MIN_BEAMS and 0 < increment < math.inf
-    if not sound or not math.isfinite(geometry.angle_min):
+    sound = geometry.n_beams >= _MIN_BEAMS and _FINEST <= increment <= _COARSEST
+    if not sound or not abs(geometry.angle_min) <= _FARTHEST_ANGLE:
         return BinLayout(np.zeros((params.bins + 1, 2), np.int64), 0, clockwise, usable=False)
     tolerance = EDGE_TOLERANCE * increment
     angles = _rising_angles(geometry) - forward_rad

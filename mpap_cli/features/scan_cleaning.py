@@ -15,18 +15,6 @@ from mpap_cli.features import _kernels
 from mpap_cli.observations import Float32Array, ScanGeometry
 from mpap_cli.params import ScanParams
 
-# In the order of the codes of the kernel.
-BEAM_CODES = (
-    "valid",
-    "below range_min",
-    "zero",
-    "negative",
-    "nan",
-    "inf",
-    "-inf",
-    "above range_max",
-)
-
 
 @dataclass(frozen=True, slots=True)
 class RangeLimits:
@@ -99,8 +87,8 @@ def range_limits(
     return RangeLimits(range_min, reach, cap, near, zero, none)
 
 
-def clean_ranges(ranges: Float32Array, limits: RangeLimits) -> tuple[Float32Array, dict[str, int]]:
-    """Clean ranges and count what kinds of beams there are.
+def clean_ranges(ranges: Float32Array, limits: RangeLimits) -> Float32Array:
+    """Clean ranges.
 
     Parameters
     ----------
@@ -111,17 +99,13 @@ def clean_ranges(ranges: Float32Array, limits: RangeLimits) -> tuple[Float32Arra
 
     Returns
     -------
-    cleaned : ndarray of shape (n, n_beams), float32
+    ndarray of shape (n, n_beams), float32
         Metres in [0, cap]; -1 where a beam is left out.
-    counts : dict of str to int
-        Beams by code, with the keys of ``BEAM_CODES``.
 
     Examples
     --------
     >>> limits = RangeLimits(0.1, 8.0, 8.0, 0.1, 8.0, 8.0)
-    >>> clean_ranges(np.array([[0.05, 0.0, 3.0, np.inf]], np.float32), limits)[0].tolist()
+    >>> clean_ranges(np.array([[0.05, 0.0, 3.0, np.inf]], np.float32), limits).tolist()
     [[0.10000000149011612, 8.0, 3.0, 8.0]]
     """
-    rows = np.ascontiguousarray(ranges, np.float32)
-    cleaned, counts = _kernels.clean_block(rows, limits.as_array())
-    return cleaned, dict(zip(BEAM_CODES, counts.tolist(), strict=True))
+    return _kernels.clean_block(np.ascontiguousarray(ranges, np.float32), limits.as_array())

@@ -13,9 +13,9 @@ import numpy as np
 from mpap_cli.distance import embed
 from mpap_cli.features import _kernels
 from mpap_cli.features.scan_bins import BinLayout, beam_bearings, lay_out_bins
-from mpap_cli.features.scan_cleaning import BEAM_CODES, RangeLimits, clean_ranges, range_limits
+from mpap_cli.features.scan_cleaning import RangeLimits, clean_ranges, range_limits
 from mpap_cli.features.temporal import ChangeOverTime, SlidingMinimum
-from mpap_cli.observations import FeatureBlock, Float32Array, Float64Array, IntArray, ScanBlock
+from mpap_cli.observations import FeatureBlock, Float32Array, Float64Array, ScanBlock
 from mpap_cli.params import ScanParams
 
 # What a feature takes from the ranges of a bin. seq-diff takes absolute steps: as printed
@@ -57,10 +57,6 @@ class ScanEmbedder:
     ----------
     n_dims : int
         Number of dimensions of a feature; depends on ``params`` alone.
-    skipped : dict of str to int
-        Scans left out since construction, by reason.
-    shares : dict of str to int
-        Beams of the scans kept since construction, by code (``BEAM_CODES``).
 
     Notes
     -----
@@ -84,8 +80,6 @@ class ScanEmbedder:
     ) -> None:
         self.params = params
         self.n_dims = _points(np.ones((1, params.bins)), np.zeros(1), params, 1.0).shape[1]
-        self.skipped: dict[str, int] = {}
-        self.shares = dict.fromkeys(BEAM_CODES, 0)
         self.for_log(forward_rad, range_max)
 
     def for_log(self, forward_rad: float, range_max: float | None = None) -> None:
@@ -95,7 +89,7 @@ class ScanEmbedder:
         self.reset()
 
     def reset(self) -> None:
-        """Forget what looks back, as at the boundary of two logs; counts run on."""
+        """Forget what looks back, as at the boundary of two logs."""
         self._embedded = _BinStream(self.params)
         self._raw = _BinStream(self.params)
         self._approach = ChangeOverTime(self.params.approach_s)
@@ -113,7 +107,7 @@ class ScanEmbedder:
         -------
         FeatureBlock
             One row per scan kept: all scans of the block, or none if its geometry puts
-            fewer than two beams into a bin (then ``skipped`` counts them).
+            fewer than two beams into a bin.
 
         Raises
         ------
@@ -124,15 +118,12 @@ class ScanEmbedder:
         layout = lay_out_bins(block.geometry, self._forward_rad, self.params)
         n_scans = block.stamps_ns.size
         if not layout.usable:
-            self.skipped[FEW_BEAMS] = self.skipped.get(FEW_BEAMS, 0) + n_scans
             none = np.empty(0, np.int64)
             features = np.empty((0, self.n_dims), np.float32)
             return FeatureBlock(none, features, none.copy(), np.empty(0, np.float32))
         self._tell_outside(layout)
         limits = self._limits(block)
-        values, nearest, counts = self._embedded.push(block, layout, limits)
-        for code, count in zip(BEAM_CODES, counts.tolist(), strict=True):
-            self.shares[code] += count
+        values, nearest = self._embedded.push(block, layout, limits)
         change = np.zeros(n_scans)
         if self.params.feature == "inverse-min":
             change = self._approach.push(block.stamps_ns, np.minimum(nearest, APPROACH_CAP_M))
@@ -150,7 +141,7 @@ class ScanEmbedder:
         layout = lay_out_bins(block.geometry, self._forward_rad, self.params)
         if not layout.usable:
             return np.empty((0, self.params.bins), np.float32)
-        values, _, _ = self._raw.push(block, layout, self._limits(block))
+        values, _ = self._raw.push(block, layout, self._limits(block))
         if self.params.feature == "inverse-min":
             values = _inverse(values, self.params)
         return values.astype(np.float32)
@@ -166,7 +157,7 @@ class ScanEmbedder:
         )
         if not block.geometry.n_beams:
             return np.full(block.stamps_ns.size, np.nan, np.float32)
-        cleaned, _ = clean_ranges(block.ranges, limits)
+        cleaned = clean_ranges(block.ranges, limits)
         bearings = beam_bearings(block.geometry, self._forward_rad)[np.argmin(cleaned, axis=1)]
         seen = np.min(cleaned, axis=1) < np.float32(limits.cap)
         return np.where(seen, bearings, np.float32(np.nan))
@@ -194,10 +185,10 @@ class _BinStream:
 
     def push(
         self, block: ScanBlock, layout: BinLayout, limits: RangeLimits
-    ) -> tuple[Float64Array, Float32Array, IntArray]:
-        """Return values (n, bins), nearest range ahead (n,) and counts of beam codes."""
+    ) -> tuple[Float64Array, Float32Array]:
+        """Return values (n, bins) and the nearest range ahead (n,)."""
         ranges = block.ranges[:, ::-1] if layout.clockwise else block.ranges
-        values, nearest, counts = _kernels.bin_block(
+        values, nearest = _kernels.bin_block(
             np.ascontiguousarray(ranges, np.float32),
             limits.as_array(),
             layout.runs,
@@ -206,8 +197,8 @@ class _BinStream:
             self._held,
         )
         if self._minimum is None:
-            return values[0], nearest, counts
-        return self._minimum.push(block.stamps_ns, values[0]), nearest, counts
+            return values[0], nearest
+        return self._minimum.push(block.stamps_ns, values[0]), nearest
 
 
 def _points(

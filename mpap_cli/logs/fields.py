@@ -15,7 +15,7 @@ import numpy as np
 
 from mpap_cli.logs.files.runs import MAX_STAMP_NS
 from mpap_cli.logs.raw import RawMessage
-from mpap_cli.observations import NS_PER_S, Float32Array, FloatArray, ScanGeometry
+from mpap_cli.observations import NS_PER_S, FloatArray, ScanGeometry
 
 TimeSource = Literal["log", "header"]
 ScanFields = tuple[int, FloatArray, ScanGeometry]
@@ -44,9 +44,7 @@ class ScanLayout(NamedTuple):
     geometry: ScanGeometry
 
 
-def read_scan(
-    message: RawMessage, time_source: TimeSource = "log"
-) -> tuple[int, Float32Array, ScanGeometry]:
+def scan_view(message: RawMessage, time_source: TimeSource = "log") -> ScanFields:
     """Read stamp, ranges and geometry of one laser scan.
 
     Parameters
@@ -61,7 +59,8 @@ def read_scan(
     stamp_ns : int
         Nanoseconds.
     ranges : ndarray of shape (n_beams,)
-        Metres as recorded, float32; a copy.
+        Metres as recorded, in 32 bits of any byte order; where it can be, a view into the
+        payload that is meant to be copied at once.
     geometry : ScanGeometry
         The same object for scans of the same geometry. foxglove.LaserScan knows neither
         range_min nor range_max: both are 0 there.
@@ -70,15 +69,6 @@ def read_scan(
     ------
     FieldError
         If the payload is cut short or makes no scan.
-    """
-    stamp_ns, ranges, geometry = scan_view(message, time_source)
-    return stamp_ns, ranges.astype(np.float32), geometry
-
-
-def scan_view(message: RawMessage, time_source: TimeSource = "log") -> ScanFields:
-    """Read a scan as `read_scan` does, its ranges as a view into the payload.
-
-    The view may have any byte order; it is meant to be copied into a block at once.
     """
     encoding, payload = message.topic.encoding, message.payload
     if encoding in LOCATED:

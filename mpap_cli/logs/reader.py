@@ -8,8 +8,7 @@ from mpap_cli.errors import LogError
 from mpap_cli.logs.files.containers import READERS, open_file
 from mpap_cli.logs.files.definitions_store import DefinitionsStore
 from mpap_cli.logs.files.log_stream import LogStream
-from mpap_cli.logs.files.ros2 import METADATA, Folder, open_folder, storage_files
-from mpap_cli.logs.files.sqlite import UNFINISHED
+from mpap_cli.logs.files.ros2 import METADATA, Folder, open_folder
 from mpap_cli.logs.raw import Damage, LogReader, PayloadError, RawMessage, Reading, Topic
 
 __all__ = [
@@ -20,7 +19,6 @@ __all__ = [
     "RawMessage",
     "Topic",
     "expand_paths",
-    "input_files",
     "open_log",
 ]
 
@@ -105,33 +103,3 @@ def expand_paths(words: Sequence[str]) -> list[Path]:
             raise LogError(msg)
         found.update(dict.fromkeys(_log_path(match) for match in matches))
     return list(found)
-
-
-def input_files(path: Path) -> list[Path]:
-    """List the files that a log is read from.
-
-    Parameters
-    ----------
-    path : Path
-        A log, as for :func:`open_log`.
-
-    Returns
-    -------
-    list of Path
-        The file itself, or metadata.yaml and the files it names; with a database also what
-        a recorder that died left beside it.
-
-    Raises
-    ------
-    LogError
-        If a folder holds no log.
-    """
-    path = _log_path(path)
-    if path.is_dir():
-        metadata = path / METADATA
-        listed = [metadata] if metadata.is_file() else []
-        listed += storage_files(path)[0]
-    else:
-        listed = [path]
-    beside = (file.with_name(file.name + end) for file in listed for end in UNFINISHED)
-    return listed + [file for file in beside if file.is_file() and file.stat().st_size]

@@ -10,7 +10,7 @@ from mpap_cli.logs.bumps.bumpers import BumpDecoder, BumpKind, BumpPiece
 from mpap_cli.logs.fields import FieldError, TimeSource, scan_view
 from mpap_cli.logs.files.runs import END_NS
 from mpap_cli.logs.listing import messages_of
-from mpap_cli.logs.raw import Damage, LogReader, RawRun, RunGroup
+from mpap_cli.logs.raw import LogReader, RawRun, RunGroup
 from mpap_cli.logs.scan_runs import ScanPiece, read_scans
 from mpap_cli.logs.survey import is_broken, survey_beams
 from mpap_cli.logs.times import parse_time
@@ -62,13 +62,10 @@ class Replay:
     start_ns, end_ns : int
         First and last moment, by the clock of the stamps: of the whole log, or of the cut.
     bump_kind : {"level", "edge", "pulse"} or None
-        How the bumps are to be read; None without a bumper. Several topics are joined:
-        unless all are pulses they count as edges, one sensor (or more) a topic.
+        How the bumps are to be read; None without a bumper. Several topics are joined,
+        one sensor (or more) a topic; topics of different kinds count as edges.
     hold_s : float
         Seconds that a touch lasts, if the bumps are pulses.
-    n_scans, n_bumps, n_active : int
-        After an iteration: scans and bump messages that came, and those of them that were
-        pressed.
     skipped : Counter of str
         After an iteration: messages left out, by reason.
 
@@ -102,8 +99,7 @@ class Replay:
         kinds = {role.rule.kind for role in roles.bumps}
         self.bump_kind: BumpKind | None = None
         if kinds:
-            joined = len(roles.bumps) > 1 and kinds != {"pulse"}
-            self.bump_kind = "edge" if joined else kinds.pop()
+            self.bump_kind = kinds.pop() if len(kinds) == 1 else "edge"
         held = [role.rule.hold_s for role in roles.bumps if role.rule.hold_s is not None]
         self.hold_s = max(held, default=bumper.bump_hold)
         shift_ns = self._clock_shift_ns()
@@ -113,20 +109,11 @@ class Replay:
         if self.end_ns < self.start_ns:
             _LOG.warning("%s: nothing lies between --start and --end", reader.path.name)
             self.end_ns = self.start_ns
-        self._reset()
-
-    @property
-    def damage(self) -> list[Damage]:
-        """What the reader found broken so far."""
-        return self._reader.damage
-
-    def _reset(self) -> None:
-        self.n_scans = self.n_bumps = self.n_active = 0
         self.skipped: Counter[str] = Counter()
 
     def __iter__(self) -> Iterator[Batch]:
         """Yield the batches in time order."""
-        self._reset()
+        self.skipped.clear()
         sensors: dict[str, int] = {}
         window = Window(self._options.block_scans, sensors, changes_only=self.bump_kind != "pulse")
         decoders, arrivals = self._decoders(sensors), Arrivals(_HEADER_MARGIN_NS)
@@ -146,7 +133,6 @@ class Replay:
             by_header = self._options.time_source == "header"
             if by_header:
                 scans, bumps = self._in_time(arrivals, scans, bumps)
-            self.n_scans += sum(len(piece.stamps_ns) for piece in scans)
             window.add(scans, bumps)
             yield from window.batches(arrivals.settled_ns if by_header else settled_ns)
         yield from window.batches(END_NS)
@@ -196,10 +182,7 @@ class Replay:
         piece, n_broken = decoder(run)
         if n_broken:
             self.skipped[_BAD_BUMP] += n_broken
-        pressed = piece.codes % 2 == 1
-        self.n_bumps += len(pressed)
-        self.n_active += int(pressed.sum())
-        return piece.rows(pressed) if self.bump_kind == "pulse" else piece
+        return piece.rows(piece.codes % 2 == 1) if self.bump_kind == "pulse" else piece
 
     def _in_time(
         self, arrivals: Arrivals, scans: list[ScanPiece], bumps: list[BumpPiece]

@@ -7,11 +7,10 @@ from itertools import islice
 
 import numpy as np
 
-from mpap_cli.errors import SettingError
 from mpap_cli.logs.fields import FieldError, scan_view
 from mpap_cli.logs.listing import messages_of
 from mpap_cli.logs.raw import LogReader, Topic
-from mpap_cli.logs.tf import find_forward
+from mpap_cli.logs.tf import find_forward, is_base
 from mpap_cli.logs.topics import Roles
 from mpap_cli.observations import BoolArray, Float32Array, ScanGeometry
 
@@ -40,7 +39,7 @@ class Survey:
     forward_rad : float
         Straight ahead in the frame of the scanner.
     forward_source : str
-        ``tf``, ``option`` or ``assumed``.
+        ``option``, ``tf``, ``frame`` (the scans are in the robot's own) or ``assumed``.
     range_max : float or None
         Metres, where the message's own is unusable: the 99 % quantile of the returns.
         None: the message's is good, or there is no return to go by.
@@ -57,7 +56,7 @@ class Survey:
     no_return_shares: dict[str, float]
 
 
-def survey_log(reader: LogReader, roles: Roles, forward: str = "tf") -> Survey:
+def survey_log(reader: LogReader, roles: Roles, forward_rad: float | None = None) -> Survey:
     """Look at the transforms and the first 200 scans.
 
     Parameters
@@ -66,27 +65,20 @@ def survey_log(reader: LogReader, roles: Roles, forward: str = "tf") -> Survey:
         An open log.
     roles : Roles
         Its topics.
-    forward : str
-        ``tf``, or degrees counter-clockwise in the frame of the scanner.
+    forward_rad : float, optional
+        Straight ahead in the frame of the scanner, counter-clockwise; else from tf.
 
     Returns
     -------
     Survey
         Without scans: no geometry, no shares.
-
-    Raises
-    ------
-    SettingError
-        If `forward` is neither.
     """
-    option = _parse_forward(forward)
     scans = _first_scans(reader, roles.scan) if roles.scan is not None else []
     usual = usual_beams(scans)
     whole = [scan for scan in scans if not is_broken(scan[1], usual)]
     geometry = whole[0][1] if whole else None
-    if option is not None:
-        forward_rad, source = option, "option"
-    else:
+    source = "option"
+    if forward_rad is None:
         forward_rad, source = _forward_of(reader, geometry)
     range_max = _range_max(reader, whole) if geometry is not None else None
     return Survey(forward_rad, source, range_max, geometry, _shares(whole))
@@ -119,32 +111,19 @@ def _first_scans(reader: LogReader, topic: Topic) -> list[tuple[Float32Array, Sc
     return scans
 
 
-def _parse_forward(text: str) -> float | None:
-    """Read ``--forward``: degrees become radians, ``tf`` None."""
-    if text == "tf":
-        return None
-    try:
-        degrees = float(text)
-    except ValueError:
-        degrees = math.nan
-    if not math.isfinite(degrees):
-        msg = f"--forward: found {text}, expected tf or degrees"
-        raise SettingError(msg)
-    return math.radians(degrees)
-
-
 def _forward_of(reader: LogReader, geometry: ScanGeometry | None) -> tuple[float, str]:
     """Ask the transforms; without them angle 0 is ahead."""
-    found = find_forward(reader, geometry.frame_id) if geometry is not None else None
+    if geometry is None:
+        return 0.0, "assumed"
+    found = find_forward(reader, geometry.frame_id)
     if found is not None:
-        return found, "tf"
-    if geometry is not None:
-        _LOG.info(
-            "%s: no transform from the robot to its scanner (frame '%s'); angle 0 is taken as "
-            "straight ahead, --forward DEG says otherwise",
-            reader.path.name,
-            geometry.frame_id,
-        )
+        return found, "frame" if is_base(geometry.frame_id) else "tf"
+    _LOG.info(
+        "%s: no transform from the robot to its scanner (frame '%s'); angle 0 is taken as "
+        "straight ahead, --forward DEG says otherwise",
+        reader.path.name,
+        geometry.frame_id,
+    )
     return 0.0, "assumed"
 
 

@@ -54,7 +54,7 @@ def find_forward(reader: LogReader, frame_id: str) -> float | None:
     way, one warning says so.
     """
     frame = _plain(frame_id)
-    if _base_name(frame) in BASE_FRAMES:
+    if is_base(frame):
         return 0.0
     first: dict[str, _Transform] = {}
     last: dict[str, _Transform] = {}
@@ -62,7 +62,7 @@ def find_forward(reader: LogReader, frame_id: str) -> float | None:
         last.update(found)
         first.update({child: found[child] for child in found.keys() - first.keys()})
         chain = _chain(first, frame)
-        if count >= _ENOUGH_MESSAGES and chain and _base_name(chain[-1].parent) in BASE_FRAMES:
+        if count >= _ENOUGH_MESSAGES and chain and is_base(chain[-1].parent):
             break
     forward = _forward(_chain(first, frame))
     later = _forward(_chain(last, frame))
@@ -74,6 +74,11 @@ def find_forward(reader: LogReader, frame_id: str) -> float | None:
             math.degrees(forward),
         )
     return forward
+
+
+def is_base(frame: str) -> bool:
+    """Tell whether a frame is the robot's own, whose x axis looks straight ahead."""
+    return _base_name(frame) in BASE_FRAMES
 
 
 def _read_transforms(reader: LogReader) -> Iterator[dict[str, _Transform]]:
@@ -102,7 +107,7 @@ def _chain(known: Mapping[str, _Transform], frame: str) -> list[_Transform]:
     """Collect the transforms from a frame up to the base of the robot."""
     chain: list[_Transform] = []
     seen = {frame}
-    while frame in known and _base_name(frame) not in BASE_FRAMES:
+    while frame in known and not is_base(frame):
         transform = known[frame]
         if _base_name(transform.parent) in WORLD_FRAMES or transform.parent in seen:
             break

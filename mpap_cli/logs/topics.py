@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from mpap_cli.errors import UsageError
 from mpap_cli.logs.bumps.bump_topics import BumpRole, BumpsFound, ask_for_bumps, find_bumps
-from mpap_cli.logs.bumps.bumpers import BumperRule
 from mpap_cli.logs.fields import SCAN_ENCODINGS
 from mpap_cli.logs.listing import DECODED, list_topics
 from mpap_cli.logs.raw import LogReader, Topic
@@ -66,16 +65,6 @@ class Roles:
     image_candidates: tuple[str, ...]
     bump_candidates: tuple[str, ...]
     notes: tuple[str, ...]
-
-    @property
-    def bump(self) -> Topic | None:
-        """The first bump topic."""
-        return self.bumps[0].topic if self.bumps else None
-
-    @property
-    def bump_rule(self) -> BumperRule | None:
-        """The rule of the first bump topic."""
-        return self.bumps[0].rule if self.bumps else None
 
 
 def choose_roles(reader: LogReader, choice: TopicChoice | None = None) -> Roles:

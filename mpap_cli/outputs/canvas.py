@@ -67,7 +67,12 @@ def blank(width: int, height: int) -> Image:
 
 def text_width(text: str, size: float, weight: int = 1) -> int:
     """Return how many pixels wide a text is."""
-    return int(cv2.getTextSize(text, _FONT, size, weight)[0][0])
+    return int(cv2.getTextSize(_drawable(text), _FONT, size, weight)[0][0])
+
+
+def _drawable(text: str) -> str:
+    """Return what OpenCV can write; a name that is no valid text would end the process."""
+    return text.encode("ascii", "replace").decode()
 
 
 def put_text(  # noqa: PLR0913  # a place, a text and its look
@@ -81,7 +86,7 @@ def put_text(  # noqa: PLR0913  # a place, a text and its look
     align: float = 0.0,
 ) -> None:
     """Write ASCII text; ``at`` is on its base line, ``align`` 0 left, .5 centre, 1 right."""
-    plain = text.encode("ascii", "replace").decode()
+    plain = _drawable(text)
     left = at[0] - align * text_width(plain, size, weight)
     place = (round(left), round(at[1]))
     cv2.putText(image, plain, place, _FONT, size, colour, weight, cv2.LINE_AA)

@@ -13,7 +13,6 @@ from mpap_cli.outputs.tables import columns_of, csv_text, json_text
 from mpap_cli.outputs.text_table import aligned, printable
 
 Row = TypeVar("Row")
-FORMATS = ("table", "csv", "json")
 
 
 def is_styled(stream: TextIO) -> bool:
@@ -87,8 +86,8 @@ def print_rows(row_type: type[Row], rows: Sequence[Row], form: str, stream: Text
     rows : sequence
         The rows.
     form : str
-        One of ``FORMATS``. A table is styled where :func:`is_styled` says so, else plain
-        aligned text.
+        ``table``, ``csv`` or ``json``. A table is styled where :func:`is_styled` says so,
+        else plain aligned text.
     stream : file
         Where it goes, by custom stdout.
     """

@@ -4,6 +4,7 @@ A staging folder whose settings.json is there and fits is committed: whatever pa
 has been renamed already, the rest can follow at any time. Any other is a leftover.
 """
 
+import errno
 import os
 import shutil
 from contextlib import suppress
@@ -54,6 +55,9 @@ def publish(folder: Path) -> None:
     names = listed_outputs(staging)
     obsolete = listed_outputs(folder) - names
     folder.mkdir(exist_ok=True)
+    blocked = next((folder / name for name in sorted(names) if (folder / name).is_dir()), None)
+    if blocked is not None:
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(blocked))
     for name in sorted(names):
         _move(staging, folder, name)
     for name in sorted(obsolete):

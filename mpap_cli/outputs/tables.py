@@ -8,14 +8,12 @@ import csv
 import io
 import json
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, NoReturn, TextIO, TypeVar, cast, get_args, get_type_hints
+from typing import TextIO, TypeVar
 
 import numpy as np
-
-from mpap_cli.errors import OutputError
 
 Row = TypeVar("Row")
 
@@ -154,80 +152,3 @@ def json_text(row_type: type[Row], rows: Iterable[Row]) -> str:
     names = columns_of(row_type)
     records = [{name: json_value(getattr(row, name)) for name in names} for row in rows]
     return json.dumps(records, indent=2, allow_nan=False) + "\n"
-
-
-def _truth(text: str) -> bool:
-    """Read a truth value as the tables write it."""
-    if text not in {"0", "1"}:
-        raise ValueError(text)
-    return text == "1"
-
-
-_PARSERS: dict[type, Callable[[str], object]] = {int: int, float: float, bool: _truth, str: str}
-
-
-def _cell_value(text: str, kind: Any) -> object:
-    """Read one cell back as the type of its field."""
-    options = get_args(kind) or (kind,)
-    base = next(option for option in options if option is not type(None))
-    if text == "" and type(None) in options:
-        return None
-    if text == "" and base is float:
-        return math.nan
-    return _PARSERS[base](text)
-
-
-def _reject(path: Path, line: int, found: str) -> NoReturn:
-    msg = f"{path.name}: line {line}: {found}; write the table again"
-    raise OutputError(msg)
-
-
-def read_csv(path: Path, row_type: type[Row]) -> list[Row]:
-    """Read a table back that :func:`write_csv` wrote.
-
-    Parameters
-    ----------
-    path : Path
-        A CSV file.
-    row_type : type
-        Dataclass of the rows; its fields must be the columns of the file, in order.
-
-    Returns
-    -------
-    list
-        The rows. An empty cell is None where the field may be None, else NaN.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be read, has other columns or a cell of another type;
-        it names the file, the line and the column.
-    """
-    kinds = get_type_hints(row_type)
-    names = columns_of(row_type)
-    rows = []
-    try:
-        with path.open(encoding="utf-8", newline="") as stream:
-            reader = csv.reader(stream, strict=True)
-            if tuple(next(reader, ())) != names:
-                _reject(path, 1, f"expected the columns {','.join(names)}")
-            for cells in reader:
-                values = _row_values(path, reader.line_num, cells, kinds)
-                rows.append(cast("Callable[..., Row]", row_type)(**values))
-    except (OSError, UnicodeDecodeError, csv.Error) as err:
-        msg = f"{path.name}: cannot be read as a table ({err}); write the table again"
-        raise OutputError(msg) from err
-    return rows
-
-
-def _row_values(path: Path, line: int, cells: list[str], kinds: dict[str, Any]) -> dict[str, Any]:
-    """Read the cells of one line."""
-    if len(cells) != len(kinds):
-        _reject(path, line, f"{len(cells)} cells, expected {len(kinds)}")
-    values = {}
-    for text, (name, kind) in zip(cells, kinds.items(), strict=True):
-        try:
-            values[name] = _cell_value(text, kind)
-        except ValueError:
-            _reject(path, line, f"column {name}: found {text!r}")
-    return values

@@ -5,6 +5,9 @@ from typing import Any
 
 from mpap_cli.errors import SettingError
 
+MOST_SECONDS = 1e9
+MOST_COUNT = 10**9
+
 
 def setting(default: Any, section: str, text: str, choices: tuple[str, ...] = ()) -> Any:
     """Make a dataclass field that carries its section in the paper, meaning and choices."""
@@ -26,6 +29,17 @@ def require(holds: bool, key: str, found: object, wanted: str) -> None:
     if not holds:
         msg = f"setting {key}: found {found}, expected {wanted}"
         raise SettingError(msg)
+
+
+def require_seconds(key: str, seconds: float, *, zero: bool = False) -> None:
+    """Require a time span that nanoseconds can hold: above 0 (or 0), at most some 30 years."""
+    wanted = "0 or more" if zero else "more than 0"
+    require(
+        0 <= seconds <= MOST_SECONDS and (zero or seconds > 0),
+        key,
+        seconds,
+        f"{wanted}, at most {MOST_SECONDS:g}",
+    )
 
 
 def check_choices(params: Any) -> None:

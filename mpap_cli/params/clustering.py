@@ -3,7 +3,17 @@
 import math
 from dataclasses import dataclass
 
-from mpap_cli.params.checks import check_choices, require, setting
+from mpap_cli.params.checks import (
+    MOST_COUNT,
+    check_choices,
+    require,
+    require_seconds,
+    setting,
+)
+
+SMALLEST_THETA = 1e-9
+LARGEST_THETA = 1e9
+LARGEST_PREFERENCE = 1e18
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,10 +40,10 @@ class AffinityParams:
         """Check every value before its first use."""
         check_choices(self)
         require(0.5 <= self.damping < 1, "damping", self.damping, "0.5 up to below 1")  # noqa: PLR2004
-        require(self.max_iter >= 1, "max-iter", self.max_iter, "1 or more")
+        require(1 <= self.max_iter <= MOST_COUNT, "max-iter", self.max_iter, "1 or more")
         rounds = self.convergence_iter
-        require(rounds >= 1, "convergence-iter", rounds, "1 or more")
-        require(self.seed >= 0, "seed", self.seed, "0 or more")
+        require(1 <= rounds <= MOST_COUNT, "convergence-iter", rounds, "1 or more")
+        require(0 <= self.seed < 2**32, "seed", self.seed, "0 to 4294967295")
         parse_preference(self.preference)
 
 
@@ -52,7 +62,7 @@ def parse_preference(rule: str) -> tuple[str, float]:
         value = float(number)
     except ValueError:
         value = math.nan
-    good = math.isfinite(value) and (
+    good = abs(value) <= LARGEST_PREFERENCE and (
         name == "" or (name in {"quantile", "range"} and 0 <= value <= 1)
     )
     require(good, "preference", rule, "median, min, quantile:0..1, range:0..1 or a number")
@@ -77,8 +87,9 @@ class MetaPointParams:
     def __post_init__(self) -> None:
         """Check every value before its first use."""
         check_choices(self)
-        require(self.theta > 0, "theta", self.theta, "a distance above 0")
-        require(self.min_points >= 1, "min-points", self.min_points, "1 or more")
-        ttl = self.noise_ttl
-        require(ttl is None or ttl > 0, "noise-ttl", ttl, "more than 0")
-        require(self.max_noise >= 1, "max-noise", self.max_noise, "1 or more")
+        fits = SMALLEST_THETA <= self.theta <= LARGEST_THETA
+        require(fits, "theta", self.theta, "a distance above 0, from 1e-9 to 1e9")
+        require(1 <= self.min_points <= MOST_COUNT, "min-points", self.min_points, "1 or more")
+        if self.noise_ttl is not None:
+            require_seconds("noise-ttl", self.noise_ttl)
+        require(1 <= self.max_noise <= MOST_COUNT, "max-noise", self.max_noise, "1 or more")

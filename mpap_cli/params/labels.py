@@ -2,10 +2,17 @@
 
 from dataclasses import dataclass
 
-from mpap_cli.params.checks import check_choices, require, setting
+from mpap_cli.params.checks import (
+    MOST_COUNT,
+    check_choices,
+    require,
+    require_seconds,
+    setting,
+)
 
 READOUTS = ("exemplar", "cluster", "metapoint", "kernel")
 TARGETS = ("contact", "onset", "early")
+MOST_RESAMPLES = 100_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,10 +32,10 @@ class BumperParams:
 
     def __post_init__(self) -> None:
         """Check every value before its first use."""
-        require(self.bump_merge >= 0, "bump-merge", self.bump_merge, "0 or more")
-        require(self.bump_hold > 0, "bump-hold", self.bump_hold, "more than 0")
-        longest = self.bump_max_press
-        require(longest is None or longest > 0, "bump-max-press", longest, "more than 0")
+        require_seconds("bump-merge", self.bump_merge, zero=True)
+        require_seconds("bump-hold", self.bump_hold)
+        if self.bump_max_press is not None:
+            require_seconds("bump-max-press", self.bump_max_press)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,12 +59,12 @@ class PropertyParams:
     def __post_init__(self) -> None:
         """Check every value before its first use."""
         check_choices(self)
-        require(self.kernel_k >= 1, "kernel-k", self.kernel_k, "1 or more")
+        require(1 <= self.kernel_k <= MOST_COUNT, "kernel-k", self.kernel_k, "1 or more")
         require(self.prior_counts > 0, "prior-counts", self.prior_counts, "more than 0")
         require(self.metapoint_prior >= 0, "metapoint-prior", self.metapoint_prior, "0 or more")
-        require(self.onset_s > 0, "onset-s", self.onset_s, "more than 0")
-        require(self.release_s >= 0, "release-s", self.release_s, "0 or more")
-        require(self.early_s > 0, "early-s", self.early_s, "more than 0")
+        require_seconds("onset-s", self.onset_s)
+        require_seconds("release-s", self.release_s, zero=True)
+        require_seconds("early-s", self.early_s)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,5 +78,10 @@ class EvaluationParams:
     def __post_init__(self) -> None:
         """Check every value before its first use."""
         require(self.folds >= 2, "folds", self.folds, "2 or more")  # noqa: PLR2004
-        require(self.guard_s >= 0, "guard-s", self.guard_s, "0 or more")
-        require(self.resamples >= 10, "resamples", self.resamples, "10 or more")  # noqa: PLR2004
+        require_seconds("guard-s", self.guard_s, zero=True)
+        require(
+            10 <= self.resamples <= MOST_RESAMPLES,  # noqa: PLR2004
+            "resamples",
+            self.resamples,
+            f"10 to {MOST_RESAMPLES:,}",
+        )

@@ -23,6 +23,13 @@ class Settings:
     properties: PropertyParams = field(default_factory=PropertyParams)
     evaluation: EvaluationParams = field(default_factory=EvaluationParams)
 
+    def __post_init__(self) -> None:
+        """Refuse mixtures of the profiles: each has features of its own."""
+        own = self.scan.feature == "inverse-min"
+        wanted = "inverse-min" if self.profile == "robust" else "a feature of the paper"
+        fits = own == (self.profile == "robust")
+        require(fits, "feature", self.scan.feature, f"{wanted} under profile {self.profile}")
+
 
 GROUPS: dict[str, type] = {
     "scan": ScanParams,

@@ -3,7 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from mpap_cli.params.checks import check_choices, require, setting
+from mpap_cli.params.checks import check_choices, require, require_seconds, setting
+
+LONGEST_RANGE_M = 1e6
 
 PAPER_FEATURES = ("min-value", "max-value", "mean-value", "global-diff", "seq-diff")
 SCAN_FEATURE_NAMES = (*PAPER_FEATURES, "seq-diff-signed", "inverse-min")
@@ -53,13 +55,15 @@ class ScanParams:
         check_choices(self)
         require(1 <= self.bins <= 360, "bins", self.bins, "1 to 360")  # noqa: PLR2004
         cap = self.max_range
-        require(cap is None or cap > 0, "max-range", cap, "metres above 0")
-        require(self.lookback_s >= 0, "lookback-s", self.lookback_s, "0 or more")
-        require(self.approach_s > 0, "approach-s", self.approach_s, "more than 0")
+        fits = cap is None or 0 < cap <= LONGEST_RANGE_M
+        require(fits, "max-range", cap, f"metres above 0, at most {LONGEST_RANGE_M:g}")
+        require_seconds("lookback-s", self.lookback_s, zero=True)
+        require_seconds("approach-s", self.approach_s)
         floor, top = self.near_floor_m, self.near_cap_m
         require(0 < floor < top, "near-floor-m", floor, f"above 0, below near-cap-m {top}")
         weights = (self.ring_weight, self.sector_weight, self.approach_weight)
-        require(min(weights) >= 0, "ring-weight", weights, "weights of 0 or more")
+        fits = min(weights) >= 0 and math.isfinite(sum(weights))
+        require(fits, "ring-weight", weights, "weights of 0 or more")
         require(sum(weights[:2]) > 0, "ring-weight", weights, "one weight above 0")
         self.fov_degrees()
         self.forward_rad()
@@ -76,7 +80,7 @@ class ScanParams:
             degrees = float(self.forward)
         except ValueError:
             degrees = math.nan
-        require(math.isfinite(degrees), "forward", self.forward, "degrees or tf")
+        require(abs(degrees) <= 360, "forward", self.forward, "degrees from -360 to 360, or tf")  # noqa: PLR2004
         return math.radians(degrees)
 
     def fov_degrees(self) -> tuple[float, float] | None:

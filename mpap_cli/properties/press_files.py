@@ -1,8 +1,8 @@
 """Presses written by hand: ``--bump-from FILE.csv`` and ``--truth FILE.csv``."""
 
 import csv
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from decimal import Decimal, InvalidOperation
 from pathlib import Path, PurePath
 
@@ -10,6 +10,7 @@ from mpap_cli.errors import LogError, UsageError
 from mpap_cli.observations import NS_PER_S, Press
 
 PRESS_COLUMNS = ("log", "start_s", "end_s")
+_HELD_NS = NS_PER_S
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +48,9 @@ def presses_from_csv(path: Path) -> dict[str, tuple[PressRow, ...]]:
     """
     rows: dict[str, list[PressRow]] = {}
     try:
+        if path.exists() and not path.is_file():
+            msg = f"{path}: no file; give a CSV with log,start_s,end_s"
+            raise LogError(msg)
         with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.DictReader(file, restval="", strict=True)
             _check_columns(path, reader.fieldnames or ())
@@ -121,7 +125,9 @@ def presses_of_log(
     -------
     tuple of Press
         In time order; presses that overlap are one. A press that lasts beyond the last
-        message ends one nanosecond after it and is not released.
+        message ends one nanosecond after it and is not released. One that begins within
+        the first second is held from the start: bumpers report that late, and the table
+        has no column that would tell such a press from an onset.
 
     Raises
     ------
@@ -130,9 +136,9 @@ def presses_of_log(
 
     Examples
     --------
-    >>> rows = [PressRow(None, 100, 300, "hits.csv line 2")]
-    >>> presses_of_log(rows, 0, 5000, 9000)
-    (Press(start_ns=5100, end_ns=5300, held_from_start=False, released=True),)
+    >>> rows = [PressRow(None, 340_000_000, 900_000_000, "hits.csv line 2")]
+    >>> presses_of_log(rows, 0, 0, 5_000_000_000)
+    (Press(start_ns=340000000, end_ns=900000000, held_from_start=True, released=True),)
     """
     presses: list[Press] = []
     mine = [row for row in rows if row.log_index in (None, log_index)]
@@ -147,14 +153,43 @@ def presses_of_log(
             last = presses.pop()
             first_ns, after_ns = last.start_ns, max(after_ns, last.end_ns)
         released = after_ns <= end_ns
-        presses.append(Press(first_ns, min(after_ns, end_ns + 1), released=released))
+        held = not presses and first_ns - start_ns <= _HELD_NS
+        presses.append(Press(first_ns, min(after_ns, end_ns + 1), held, released))
     return tuple(presses)
 
 
-def names_without_log(rows: Collection[str], names: Collection[str]) -> tuple[str, ...]:
-    """Return the logs that a file of presses names but that were not given, sorted.
+def rows_of_logs(
+    rows: Mapping[str, tuple[PressRow, ...]], names: Sequence[str], option: str
+) -> dict[str, tuple[PressRow, ...]]:
+    """Return the rows for the logs given, in whatever order those are now.
 
-    >>> names_without_log({"a.bag": (), "b.bag": ()}, ["a.bag"])
-    ('b.bag',)
+    Parameters
+    ----------
+    rows : mapping of str to tuple of PressRow
+        From :func:`presses_from_csv`.
+    names : sequence of str
+        Base names of the logs given; ``log_index`` counts only where a name repeats.
+    option : str
+        Option and file, for the error.
+
+    Raises
+    ------
+    UsageError
+        If a row names a log that was not given.
+
+    Examples
+    --------
+    >>> rows = {"b.bag": (PressRow(1, 0, 9, "line 2"),)}
+    >>> rows_of_logs(rows, ["b.bag", "a.bag"], "--truth hits.csv")["b.bag"][0].log_index is None
+    True
     """
-    return tuple(sorted(set(rows) - set(names)))
+    unknown = sorted(set(rows) - set(names))
+    if unknown:
+        msg = f"{option}: names {', '.join(unknown)}, which is no log given"
+        raise UsageError(msg)
+    return {
+        name: found
+        if names.count(name) > 1
+        else tuple(replace(row, log_index=None) for row in found)
+        for name, found in rows.items()
+    }

@@ -40,8 +40,9 @@ class PressTracker:
     message. A press is [first pressed stamp, first free stamp). What lasts no time is
     nothing: a press that is released at its own stamp is not kept, and a release with
     the next press at the same stamp does not part two presses. Only the first press of
-    a log can be held from its start, and only if the first message of its level sensor
-    tells of it: an edge is the beginning itself.
+    a log can be held from its start, and only if the first message of a level sensor
+    begins it, however late that comes and whatever other sensors said before: they know
+    nothing of this one. An edge is the beginning itself.
 
     A press longer than ``bump_max_press`` is cut there, before presses are joined. Edge
     sensors that were on count as free from then on, since their release got lost;

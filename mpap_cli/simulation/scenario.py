@@ -82,7 +82,7 @@ def simulate(path: Path, params: SimulationParams) -> SimulatedLog:
     OutputError
         If the log exists or cannot be written.
     """
-    truth_path = path.with_name(path.name + ".truth.csv")
+    truth_path = _truth_path(path)
     run = _Run(params)
     n_scans = n_messages = 0
     start_ns = end_ns = params.start_stamp_ns
@@ -98,6 +98,18 @@ def simulate(path: Path, params: SimulationParams) -> SimulatedLog:
     contacts = tuple(run.true_contact(contact, end_ns) for contact in run.walker.contacts)
     _write_truth(truth_path, path.name, start_ns, contacts)
     return SimulatedLog(path, truth_path, contacts, n_scans, n_messages, start_ns, end_ns)
+
+
+def _truth_path(path: Path) -> Path:
+    """Return where the truth of a log goes; neither it nor a nameless log may be there."""
+    if not path.name:
+        msg = f"{path}: no name for a log; give a file or folder that is not there yet"
+        raise OutputError(msg)
+    truth_path = path.with_name(path.name + ".truth.csv")
+    if truth_path.exists():
+        msg = f"{truth_path}: exists; choose another name for the log"
+        raise OutputError(msg)
+    return truth_path
 
 
 class _Run:

@@ -9,7 +9,7 @@ import numpy as np
 from mpap_cli.clustering.merging import merge_meta_points
 from mpap_cli.clustering.meta_points import MetaPoints
 from mpap_cli.distance import squared_distances
-from mpap_cli.errors import ModelError
+from mpap_cli.errors import ModelError, UsageError
 from mpap_cli.observations import IntArray
 from mpap_cli.params import settings_values
 from mpap_cli.properties.contact_map import ContactMap
@@ -35,7 +35,9 @@ def merge_models(models: Sequence[CollisionModel]) -> CollisionModel:
     Raises
     ------
     ModelError
-        If there is no model, or if the settings differ, which the message names.
+        If there is no model.
+    UsageError
+        If the settings differ; the message names the first that does.
     """
     if not models:
         msg = "merge: found no model, expected at least one"
@@ -69,7 +71,8 @@ def _check_settings(leaves: Sequence[ModelParts]) -> None:
     for leaf in leaves[1:]:
         found = {"profile": leaf.settings.profile, **settings_values(leaf.settings)}
         for key, value in wanted.items():
-            if found[key] != value:
+            # the scanner may be mounted another way in each log; features count from ahead
+            if key != "forward" and found[key] != value:
                 names = [
                     parts.logs[0].name if parts.logs else "no log" for parts in (leaves[0], leaf)
                 ]
@@ -77,7 +80,7 @@ def _check_settings(leaves: Sequence[ModelParts]) -> None:
                     f"merge: setting {key} is {value} in the model of {names[0]} and {found[key]} "
                     f"in that of {names[1]}; learn both with the same settings"
                 )
-                raise ModelError(msg)
+                raise UsageError(msg)
 
 
 def _carried(leaves: Sequence[ModelParts], merged: MetaPoints) -> CarriedVisits:

@@ -23,7 +23,6 @@ class SelfCheck:
     """Whether theta suits the data (section 3.4): how much ended in noise-points."""
 
     n_cluster_points: int
-    n_noise_points: int
     noise_share: float
 
     @property
@@ -43,9 +42,7 @@ def check_theta(meta_points: MetaPoints) -> SelfCheck:
     n_cluster_points = int(is_cluster_point.sum())
     total = int(meta_points.count.sum())
     noise = int(meta_points.count[~is_cluster_point].sum())
-    return SelfCheck(
-        n_cluster_points, meta_points.n_points - n_cluster_points, noise / max(total, 1)
-    )
+    return SelfCheck(n_cluster_points, noise / max(total, 1))
 
 
 def predict(parts: ModelParts, features: Float32Array, target: str) -> Prediction:

@@ -154,13 +154,15 @@ def test_a_press_that_is_never_released_is_learnt(
 def test_scans_with_too_few_beams_are_counted(
     tmp_path: Path, run: Callable[..., Any], write_scans: Callable[..., Path]
 ) -> None:
-    """A bin with fewer than two beams leaves out the scan, with a count."""
+    """A bin with fewer than two beams leaves out the scan; without any scan there is no model."""
     path = write_scans(n_beams=(10,))
 
     outcome = run("learn", path, "-o", tmp_path / "out", "--feature", "min-value", "--bins", "12")
 
-    assert outcome.code == 0
+    assert outcome.code == 2
     assert "240 scans skipped" in outcome.err
+    assert "no scan could be used" in one_line(outcome.err)
+    assert not (tmp_path / "out").exists()
 
 
 def test_beam_counts_may_change(
@@ -280,7 +282,7 @@ def test_models_of_other_settings_are_not_merged(
 
     outcome = run("merge", tmp_path / "a", tmp_path / "b", "-o", tmp_path / "c")
 
-    assert outcome.code == 1
+    assert outcome.code == 2
     assert "theta" in one_line(outcome.err)
 
 

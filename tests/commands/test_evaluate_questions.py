@@ -154,7 +154,6 @@ def test_groups_come_from_folder_path_or_file(tmp_path: Path) -> None:
         (("--protocol", "leave-one-group-out"), "--groups"),
         (("--groups", "nothing-like-it(x)"), "matches nothing"),
         (("--groups", "indoor"), "no bracket"),
-        (("--groups", "missing.csv"), "missing.csv"),
         (("--sweep", "theta"), "KEY=V1,V2"),
         (("--sweep", "thera=1,2"), "thera"),
         (("--target", "late"), "late"),

@@ -98,14 +98,15 @@ def test_presses_in_the_log_do_not_change_the_prediction(made: Made, tmp_path: P
 
 
 def test_settings_are_those_of_the_model(made: Made) -> None:
-    """settings.json names the log that was read and the model's own settings."""
+    """settings.json names the log and the model that were read, and the model's settings."""
     model = made("learn", BAG, *PAPER)
 
     record = record_of(made("predict", model, MCAP) / "predict")
 
     assert record["settings"]["feature"] == "global-diff"
     assert record["settings"]["profile"] == "paper"
-    assert [log["sha256"] for log in record["inputs"]] == [digest_of(MCAP)]
+    files = (MCAP, model / "learn" / "model.npz")
+    assert [one["sha256"] for one in record["inputs"]] == [digest_of(file) for file in files]
 
 
 def test_a_model_file_does_as_well_as_its_folder(made: Made, tmp_path: Path) -> None:

@@ -80,3 +80,24 @@ def test_a_pair_without_value_is_refused() -> None:
     """--set wants KEY=VALUE."""
     with pytest.raises(SettingError, match="expected KEY=VALUE"):
         settings_from(SettingsRequest(pairs=("theta",)))
+
+
+def test_profiles_are_not_mixed_by_a_setting() -> None:
+    """A feature of one profile is refused under the other, however it is asked for."""
+    for request in (
+        SettingsRequest(pairs=("feature=max-value",)),
+        SettingsRequest(profile="paper", pairs=("feature=inverse-min",)),
+    ):
+        with pytest.raises(SettingError, match="under profile"):
+            settings_from(request)
+
+
+def test_a_request_is_laid_over_what_was_learnt() -> None:
+    """Without a profile asked for, learnt settings stay beneath those given."""
+    learnt = settings_from(SettingsRequest(profile="paper", pairs=("theta=0.3",)))
+
+    over = settings_from(SettingsRequest(pairs=("resamples=50",)), learnt)
+    fresh = settings_from(SettingsRequest(feature="min-value"), learnt)
+
+    assert (over.profile, over.meta_point.theta, over.evaluation.resamples) == ("paper", 0.3, 50)
+    assert fresh.meta_point.theta == 0.1

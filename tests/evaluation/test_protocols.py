@@ -206,6 +206,14 @@ def test_protocols_that_cannot_be_are_refused() -> None:
         choose_protocol("leave-one-group-out", None, history)
 
 
+def test_groups_go_with_their_protocol_only() -> None:
+    """Groups beside another protocol would say nothing, so they are refused."""
+    history = history_of((press(5, 6),), (press(5, 6),))
+
+    with pytest.raises(UsageError, match="--groups goes with leave-one-group-out"):
+        choose_protocol("blocked", ("x", "y"), history)
+
+
 def test_units_are_logs_then_segments_then_nothing() -> None:
     """Five logs with presses are resampled as logs, five presses as segments."""
     logs = history_of(*[(press(10, 11),)] * 5)

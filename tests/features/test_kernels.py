@@ -22,20 +22,20 @@ LIMITS = {
 }
 
 
-def clean_beam(r: float, limits: Float32Array) -> tuple[float, int]:
-    """Return the cleaned range of one beam and its code."""
+def clean_beam(r: float, limits: Float32Array) -> float:
+    """Return the cleaned range of one beam."""
     range_min, reach, cap, near, zero, none = (float(limit) for limit in limits)
     rules = (
-        (math.isnan(r), none, 4),
-        (r == math.inf, none, 5),
-        (r == -math.inf, near, 6),
-        (r == 0, zero, 2),
-        (r < 0, none, 3),
-        (r > reach, none, 7),
-        (r < range_min, near, 1),
-        (True, min(r, cap), 0),
+        (math.isnan(r), none),
+        (r == math.inf, none),
+        (r == -math.inf, near),
+        (r == 0, zero),
+        (r < 0, none),
+        (r > reach, none),
+        (r < range_min, near),
+        (True, min(r, cap)),
     )
-    return next((value, code) for holds, value, code in rules if holds)
+    return next(value for holds, value in rules if holds)
 
 
 def bin_value(statistic: int, ranges: list[float]) -> float:
@@ -54,18 +54,13 @@ def bin_value(statistic: int, ranges: list[float]) -> float:
 
 def reference(
     ranges: Float32Array, limits: Float32Array, runs: IntArray, n_turn: int
-) -> tuple[Float64Array, Float32Array, IntArray]:
+) -> tuple[Float64Array, Float32Array]:
     """Do what ``bin_block`` does, one beam after the other."""
     n_scans, n_bins = len(ranges), len(runs) - 1
     values = np.empty((6, n_scans, n_bins))
     nearest = np.empty(n_scans, np.float32)
-    counts = np.zeros(8, np.int64)
     for i, scan in enumerate(ranges):
-        cleaned = []
-        for r in scan:
-            value, code = clean_beam(float(r), limits)
-            counts[code] += 1
-            cleaned.append(value)
+        cleaned = [clean_beam(float(r), limits) for r in scan]
         inside = [
             [cleaned[k % n_turn] for k in range(start, stop) if cleaned[k % n_turn] >= 0]
             for start, stop in runs
@@ -80,7 +75,7 @@ def reference(
                 else:
                     value = limits[2] if statistic < 3 else 0.0
                 values[statistic, i, b] = value
-    return values, nearest, counts
+    return values, nearest
 
 
 @st.composite
@@ -104,17 +99,16 @@ def blocks(draw: st.DrawFn) -> tuple[Float32Array, IntArray, int]:
 def test_a_block_equals_the_loop_over_its_beams(
     kind: str, block: tuple[Float32Array, IntArray, int]
 ) -> None:
-    """Values, nearest ranges and counts equal the loop exactly, whatever the beams hold."""
+    """Values and nearest ranges equal the loop exactly, whatever the beams hold."""
     ranges, runs, n_turn = block
     limits = np.array(LIMITS[kind], np.float32)
     held = np.full((6, len(runs) - 1), np.nan)
 
-    values, nearest, counts = _kernels.bin_block(ranges, limits, runs, n_turn, STATISTICS, held)
+    values, nearest = _kernels.bin_block(ranges, limits, runs, n_turn, STATISTICS, held)
 
-    wanted_values, wanted_nearest, wanted_counts = reference(ranges, limits, runs, n_turn)
+    wanted_values, wanted_nearest = reference(ranges, limits, runs, n_turn)
     np.testing.assert_array_equal(values, wanted_values)
     np.testing.assert_array_equal(nearest, wanted_nearest)
-    np.testing.assert_array_equal(counts, wanted_counts)
     if len(ranges):
         np.testing.assert_array_equal(held, values[:, -1])
 
@@ -125,7 +119,7 @@ def test_only_what_is_asked_is_written() -> None:
     limits = np.array(LIMITS["max"], np.float32)
     runs = np.array([[0, 15], [15, 30], [0, 30]])
     held = np.full((6, 2), np.nan)
-    together, _, _ = _kernels.bin_block(ranges, limits, runs, 30, STATISTICS, held)
+    together, _ = _kernels.bin_block(ranges, limits, runs, 30, STATISTICS, held)
 
     alone = [
         _kernels.bin_block(ranges, limits, runs, 30, STATISTICS[[s]], np.full((1, 2), np.nan))[0]
@@ -137,16 +131,14 @@ def test_only_what_is_asked_is_written() -> None:
 
 @pytest.mark.parametrize("kind", LIMITS)
 def test_cleaning_alone_equals_the_loop(kind: str) -> None:
-    """Every kind of beam is cleaned and counted as the loop does it."""
+    """Every kind of beam is cleaned as the loop does it."""
     ranges = np.array([NASTY, NASTY[::-1]], np.float32)
     limits = np.array(LIMITS[kind], np.float32)
 
-    cleaned, counts = _kernels.clean_block(ranges, limits)
+    cleaned = _kernels.clean_block(ranges, limits)
 
     beams = [[clean_beam(float(r), limits) for r in scan] for scan in ranges]
-    np.testing.assert_array_equal(cleaned, np.array([[v for v, _ in scan] for scan in beams]))
-    codes = [code for scan in beams for _, code in scan]
-    np.testing.assert_array_equal(counts, np.bincount(codes, minlength=8))
+    np.testing.assert_array_equal(cleaned, np.array(beams))
 
 
 @given(
@@ -197,6 +189,5 @@ def test_bodies_run_as_plain_python(monkeypatch: pytest.MonkeyPatch) -> None:
 
     for i in range(len(asked)):
         np.testing.assert_array_equal(plain[i], compiled[i])
-    for found, wanted in zip(_kernels.clean_block(ranges, limits), cleaned, strict=True):
-        np.testing.assert_array_equal(found, wanted)
+    np.testing.assert_array_equal(_kernels.clean_block(ranges, limits), cleaned)
     np.testing.assert_array_equal(_kernels.window_minimum(stamps, rows, 1, 1), minima)

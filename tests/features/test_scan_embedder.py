@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mpap_cli.errors import UsageError
-from mpap_cli.features.scan_cleaning import BEAM_CODES
-from mpap_cli.features.scan_features import FEW_BEAMS, ScanEmbedder
+from mpap_cli.features.scan_features import ScanEmbedder
 from mpap_cli.observations import Float32Array, ScanBlock, ScanGeometry
 from mpap_cli.params import SCAN_FEATURE_NAMES, make_settings
 
@@ -67,7 +66,6 @@ def test_features_do_not_depend_on_the_cuts(
     nearest = np.concatenate([p.nearest_ahead_m for p in parts])
     np.testing.assert_array_equal(nearest, once.nearest_ahead_m)
     np.testing.assert_array_equal(values, whole.raw_bins(ScanBlock(stamps, ranges, NEATO)))
-    assert cut.shares == whole.shares
 
 
 def test_look_back_off_does_not_join_scans_of_one_stamp() -> None:
@@ -82,7 +80,7 @@ def test_look_back_off_does_not_join_scans_of_one_stamp() -> None:
 
 
 def test_a_new_log_forgets_what_looks_back() -> None:
-    """After reset, or for another log, nothing of the scans before is seen; counts run on."""
+    """After reset, or for another log, nothing of the scans before is seen."""
     embedder = ScanEmbedder(ROBUST, math.pi)
     fresh = embedder.transform(constant_scan(0.9)).features
     embedder.transform(constant_scan(0.3))
@@ -95,7 +93,6 @@ def test_a_new_log_forgets_what_looks_back() -> None:
 
     np.testing.assert_array_equal(again, fresh)
     np.testing.assert_array_equal(once_more, fresh)
-    assert embedder.shares["valid"] == 5 * 361
 
 
 def test_beam_counts_may_change_within_a_log() -> None:
@@ -115,7 +112,7 @@ def test_beam_counts_may_change_within_a_log() -> None:
     np.testing.assert_array_equal(features[1:], np.repeat(features[:1], 3, axis=0))
 
 
-def test_scans_with_too_few_beams_are_skipped_and_counted() -> None:
+def test_scans_with_too_few_beams_are_skipped() -> None:
     """A broken scan of 10 beams has no feature and leaves no trace in the look-back."""
     broken = ScanGeometry(10, -math.pi / 2, math.pi / 10, 0.05, 8.0)
     params = replace(ROBUST, feature="min-value", fov="180")
@@ -130,7 +127,6 @@ def test_scans_with_too_few_beams_are_skipped_and_counted() -> None:
     assert nothing.features.shape == (0, embedder.n_dims)
     assert nothing.stamps_ns.size == nothing.kept.size == nothing.nearest_ahead_m.size == 0
     assert no_values.shape == (0, 12)
-    assert embedder.skipped == {FEW_BEAMS: 2}
     later = ScanBlock(good.stamps_ns + SECOND, good.ranges, HALF)
     found, wanted = embedder.transform(later), other.transform(later)
     np.testing.assert_array_equal(found.features, wanted.features)
@@ -216,18 +212,6 @@ def test_an_unusable_range_max_needs_another_one() -> None:
     found = ScanEmbedder(ROBUST, 0.0, 6.0).transform(constant_scan(math.inf, geometry=geometry))
 
     assert found.nearest_ahead_m.tolist() == [6.0]
-
-
-def test_shares_count_every_beam_of_the_scans() -> None:
-    """Codes are counted over the whole scan, also outside the field of view."""
-    ranges = np.full((2, 361), np.inf, np.float32)
-    ranges[:, 0], ranges[:, 1], ranges[:, 2] = 0.0, 3.0, 0.01
-    embedder = ScanEmbedder(replace(ROBUST, feature="min-value", fov="90"), 0.0)
-
-    embedder.transform(block_of(ranges, NEATO))
-
-    found = {"zero": 2, "valid": 2, "below range_min": 2, "inf": 2 * 358}
-    assert embedder.shares == dict.fromkeys(BEAM_CODES, 0) | found
 
 
 @pytest.mark.parametrize("feature", SCAN_FEATURE_NAMES)

@@ -1,6 +1,5 @@
 """Every container gives the same messages; words become paths."""
 
-import json
 import tempfile
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -9,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mpap_cli.errors import LogError, UsageError
-from mpap_cli.logs.reader import LogReader, expand_paths, input_files, open_log
+from mpap_cli.logs.reader import LogReader, expand_paths, open_log
 
 Rows = Sequence[tuple[str, int, str]]
 WriteLog = Callable[[str, Rows], Path]
@@ -196,22 +195,3 @@ def test_word_that_matches_nothing(tmp_path: Path, word: str, text: str) -> None
     """The word is named."""
     with pytest.raises(LogError, match=text):
         expand_paths([str(tmp_path / word)])
-
-
-def test_input_files_of_a_folder(write_log: WriteLog) -> None:
-    """What is read: metadata.yaml, the database, and what a dead recorder left beside it."""
-    folder = write_log("sqlite3", ROWS)
-    (folder / "notes.txt").write_text("not read")
-    (folder / "log.db3-wal").write_bytes(b"left")
-    (folder / "log.db3-journal").touch()
-
-    found = input_files(folder / "metadata.yaml")
-
-    assert [path.name for path in found] == ["metadata.yaml", "log.db3", "log.db3-wal"]
-
-
-def test_input_files_of_a_file(write_log: WriteLog) -> None:
-    """The file itself."""
-    path = write_log("mcap-json", [("/left", START_NS, json.dumps("text"))])
-
-    assert input_files(path) == [path]

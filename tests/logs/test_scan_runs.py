@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpap_cli.logs.fields import FieldError, read_scan
+from mpap_cli.logs.fields import FieldError, scan_view
 from mpap_cli.logs.files.runs import group_messages
 from mpap_cli.logs.raw import RawMessage, RawRun, Topic
 from mpap_cli.logs.scan_runs import header_stamps, read_scans
@@ -89,7 +89,7 @@ def one_by_one(run: RawRun, time_source: Literal["log", "header"]) -> tuple[Scan
     for number, stamp_ns in enumerate(run.stamps_ns.tolist()):
         message = RawMessage(run.topic, stamp_ns, run.payload(number))
         try:
-            stamp, ranges, geometry = read_scan(message, time_source)
+            stamp, ranges, geometry = scan_view(message, time_source)
         except FieldError as err:
             skipped[str(err)] += 1
         else:

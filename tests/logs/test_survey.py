@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpap_cli.errors import SettingError
 from mpap_cli.logs.raw import LogReader
 from mpap_cli.logs.survey import BEAM_CODES, survey_log
 from mpap_cli.logs.topics import choose_roles
@@ -46,26 +45,27 @@ def test_forward_comes_from_the_transforms(make_log: MakeLog) -> None:
     assert survey.forward_source == "tf"
 
 
-@pytest.mark.parametrize(("text", "radians"), [("180", math.pi), ("-90.0", -math.pi / 2)])
-def test_forward_in_degrees_goes_before_the_transforms(
-    make_log: MakeLog, text: str, radians: float
+def test_the_option_goes_before_the_transforms(make_log: MakeLog) -> None:
+    """A direction that is given is an angle in the frame of the scanner."""
+    reader = make_log([tf_event(), scan_event(1, [1.0, 2.0])])
+
+    survey = survey_log(reader, choose_roles(reader), -math.pi / 2)
+
+    assert (survey.forward_rad, survey.forward_source) == (-math.pi / 2, "option")
+
+
+@pytest.mark.parametrize("frame", ["base_link", "/base_footprint", "robot1/base_link"])
+def test_in_the_frame_of_the_robot_angle_0_is_ahead(
+    make_log: MakeLog, caplog: pytest.LogCaptureFixture, frame: str
 ) -> None:
-    """--forward DEG is an angle in the frame of the scanner."""
-    reader: Any = make_log([tf_event(), scan_event(1, [1.0, 2.0])])
+    """No transform is needed, and none is said to have told it."""
+    caplog.set_level(logging.INFO)
+    reader = make_log([scan_event(1, [1.0, 2.0], header={"frame_id": frame})])
 
-    survey = survey_log(reader, choose_roles(reader), text)
+    survey = survey_log(reader, choose_roles(reader))
 
-    assert survey.forward_rad == pytest.approx(radians)
-    assert survey.forward_source == "option"
-
-
-@pytest.mark.parametrize("text", ["ahead", "nan", "inf", ""])
-def test_forward_must_be_tf_or_degrees(make_log: MakeLog, text: str) -> None:
-    """Anything else is an error of the option."""
-    reader = make_log([scan_event(1, [1.0, 2.0])])
-
-    with pytest.raises(SettingError, match=f"--forward: found {text}, expected tf or degrees"):
-        survey_log(reader, choose_roles(reader), text)
+    assert (survey.forward_rad, survey.forward_source) == (0.0, "frame")
+    assert not caplog.records
 
 
 def test_without_transforms_angle_0_is_ahead(

@@ -1,4 +1,4 @@
-"""Tables round-trip through CSV."""
+"""Tables as CSV and JSON."""
 
 import csv
 import io
@@ -12,8 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpap_cli.errors import OutputError
-from mpap_cli.outputs.tables import columns_of, csv_text, json_text, read_csv, write_csv
+from mpap_cli.outputs.tables import columns_of, csv_text, json_text, write_csv
 
 
 @dataclass(frozen=True)
@@ -44,6 +43,22 @@ def test_columns_are_the_fields_in_order() -> None:
     assert columns_of(Line) == ("log", "scans", "predicted", "p", "auc", "cluster")
 
 
+def read_back(text: str) -> list[Line]:
+    """Read a table by the rules that the cells are written by."""
+    lines = csv.DictReader(io.StringIO(text, newline=""), strict=True)
+    return [
+        Line(
+            log=line["log"],
+            scans=int(line["scans"]),
+            predicted={"0": False, "1": True}[line["predicted"]],
+            p=float(line["p"]),
+            auc=float(line["auc"]) if line["auc"] else None,
+            cluster=int(line["cluster"]) if line["cluster"] else None,
+        )
+        for line in lines
+    ]
+
+
 @given(st.lists(LINES, max_size=5))
 def test_tables_round_trip(tmp_path_factory: pytest.TempPathFactory, rows: list[Line]) -> None:
     """What is written comes back, whatever the texts and numbers."""
@@ -52,20 +67,17 @@ def test_tables_round_trip(tmp_path_factory: pytest.TempPathFactory, rows: list[
     n_rows = write_csv(path, Line, rows)
 
     assert n_rows == len(rows)
-    assert read_csv(path, Line) == rows
     assert csv_text(Line, rows).encode() == path.read_bytes()
+    assert read_back(csv_text(Line, rows)) == rows
 
 
-def test_empty_cells_are_none_and_nan(tmp_path: Path) -> None:
-    """None and NaN are empty; a field that may be None is None again, another NaN."""
+def test_none_and_nan_are_empty_cells(tmp_path: Path) -> None:
+    """Nothing known is nothing written."""
     path = tmp_path / "table.csv"
 
     write_csv(path, Line, [Line("a", 1, True, math.nan, math.nan, None)])
 
     assert path.read_bytes() == b"log,scans,predicted,p,auc,cluster\na,1,1,,,\n"
-    (row,) = read_csv(path, Line)
-    assert math.isnan(row.p)
-    assert row.auc is None
 
 
 def test_numpy_scalars_are_written_as_numbers() -> None:
@@ -97,7 +109,7 @@ def test_odd_file_names_stay_utf8(tmp_path: Path) -> None:
 
     write_csv(path, Line, [Line("a\udcff.bag", 1, False, 0.5, None, None)])
 
-    assert read_csv(path, Line)[0].log == "a\\udcff.bag"
+    assert path.read_text(encoding="utf-8").splitlines()[1] == "a\\udcff.bag,1,0,0.5,,"
 
 
 def test_lines_end_in_newlines_only() -> None:
@@ -108,34 +120,3 @@ def test_lines_end_in_newlines_only() -> None:
 
     assert text.count("\r") == 1
     assert rows[1][0] == "a\rb\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "found"),
-    [
-        ("", "line 1: expected the columns log,scans"),
-        ("log,scans\n", "line 1: expected the columns log,scans"),
-        ("log,scans,predicted,p,auc,cluster\na,1\n", "line 2: 2 cells, expected 6"),
-        ("log,scans,predicted,p,auc,cluster\na,x,1,1,,\n", "line 2: column scans: found 'x'"),
-        ("log,scans,predicted,p,auc,cluster\na,1,2,1,,\n", "column predicted: found '2'"),
-        ('log,scans,predicted,p,auc,cluster\n"a"b,1,1,1,,\n', "cannot be read as a table"),
-    ],
-)
-def test_foreign_tables_are_named(tmp_path: Path, text: str, found: str) -> None:
-    """A table of other columns or values is one line with file, line and column."""
-    path = tmp_path / "table.csv"
-    path.write_text(text)
-
-    with pytest.raises(OutputError, match=found):
-        read_csv(path, Line)
-
-
-def test_table_that_is_no_text_is_named(tmp_path: Path) -> None:
-    """Bytes that are no UTF-8, or no file, are one line."""
-    path = tmp_path / "table.csv"
-    path.write_bytes(b"\xff\xfe")
-
-    with pytest.raises(OutputError, match=r"table.csv: cannot be read as a table"):
-        read_csv(path, Line)
-    with pytest.raises(OutputError, match=r"gone.csv: cannot be read"):
-        read_csv(tmp_path / "gone.csv", Line)

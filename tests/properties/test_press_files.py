@@ -5,8 +5,13 @@ from pathlib import Path
 import pytest
 
 from mpap_cli.errors import LogError, UsageError
-from mpap_cli.observations import Press
-from mpap_cli.properties.press_files import PressRow, presses_from_csv, presses_of_log
+from mpap_cli.observations import NS_PER_S, Press
+from mpap_cli.properties.press_files import (
+    PressRow,
+    presses_from_csv,
+    presses_of_log,
+    rows_of_logs,
+)
 
 
 def write(folder: Path, text: str) -> Path:
@@ -14,6 +19,11 @@ def write(folder: Path, text: str) -> Path:
     path = folder / "hits.csv"
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def ns(seconds: float) -> int:
+    """Return nanoseconds."""
+    return round(seconds * NS_PER_S)
 
 
 def test_rows_are_kept_by_base_name_with_exact_stamps(tmp_path: Path) -> None:
@@ -75,27 +85,51 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 
 def test_rows_of_the_other_log_of_the_same_name_are_left_out() -> None:
     """The log_index parts logs of one name; without it a row belongs to each of them."""
-    rows = [PressRow(0, 1, 2, ""), PressRow(1, 5, 6, ""), PressRow(None, 8, 9, "")]
+    rows = [
+        PressRow(0, ns(1), ns(2), ""),
+        PressRow(1, ns(5), ns(6), ""),
+        PressRow(None, ns(8), ns(9), ""),
+    ]
 
-    presses = presses_of_log(rows, 1, 100, 200)
+    presses = presses_of_log(rows, 1, ns(100), ns(200))
 
-    assert presses == (Press(105, 106), Press(108, 109))
+    assert presses == (Press(ns(105), ns(106)), Press(ns(108), ns(109)))
 
 
 def test_presses_that_overlap_are_one() -> None:
     """Presses that only touch stay two."""
-    rows = [PressRow(None, 4, 8, ""), PressRow(None, 1, 5, ""), PressRow(None, 8, 9, "")]
+    rows = [PressRow(None, ns(start), ns(end), "") for start, end in ((5, 9), (2, 6), (9, 10))]
 
-    presses = presses_of_log(rows, 0, 0, 200)
+    presses = presses_of_log(rows, 0, ns(0), ns(200))
 
-    assert presses == (Press(1, 8), Press(8, 9))
+    assert presses == (Press(ns(2), ns(9)), Press(ns(9), ns(10)))
 
 
 def test_a_press_beyond_the_end_is_not_released() -> None:
     """It is cut one nanosecond after the last message."""
-    presses = presses_of_log([PressRow(None, 4, 80, "")], 0, 0, 20)
+    presses = presses_of_log([PressRow(None, ns(4), ns(80), "")], 0, ns(0), ns(20))
 
-    assert presses == (Press(4, 21, released=False),)
+    assert presses == (Press(ns(4), ns(20) + 1, released=False),)
+
+
+@pytest.mark.parametrize(("start_s", "held"), [(0, True), (0.34, True), (1, True), (1.01, False)])
+def test_a_press_within_the_first_second_is_held_from_the_start(start_s: float, held: bool) -> None:
+    """It has no onset, as in the log that it was written from; later presses have one."""
+    rows = [PressRow(None, ns(start_s), ns(1.5), ""), PressRow(None, ns(2), ns(3), "")]
+
+    presses = presses_of_log(rows, 0, ns(100), ns(200))
+
+    assert [press.held_from_start for press in presses] == [held, False]
+    assert presses[0].start_ns == ns(100 + start_s)
+
+
+def test_only_the_first_press_can_be_held_from_the_start() -> None:
+    """What comes after a release has an onset, however early it is."""
+    rows = [PressRow(None, ns(start), ns(start + 0.2), "") for start in (0.1, 0.5)]
+
+    presses = presses_of_log(rows, 0, ns(0), ns(20))
+
+    assert [press.held_from_start for press in presses] == [True, False]
 
 
 def test_a_press_after_the_end_is_refused() -> None:
@@ -104,3 +138,28 @@ def test_a_press_after_the_end_is_refused() -> None:
 
     with pytest.raises(UsageError, match=r"line 7: the press begins at 3 s, but the log lasts 2 s"):
         presses_of_log(rows, 0, 0, 2_000_000_000)
+
+
+def test_a_name_that_is_given_once_needs_no_index() -> None:
+    """A table of other logs in another order keeps its presses."""
+    rows = {"b.bag": (PressRow(1, 0, NS_PER_S, "line 2"),)}
+
+    alone = rows_of_logs(rows, ["b.bag"], "--truth hits.csv")
+    twice = rows_of_logs(rows, ["b.bag", "b.bag"], "--truth hits.csv")
+
+    assert len(presses_of_log(alone["b.bag"], 0, 0, 9 * NS_PER_S)) == 1
+    assert presses_of_log(twice["b.bag"], 0, 0, 9 * NS_PER_S) == ()
+
+
+def test_a_log_that_was_not_given_is_named() -> None:
+    """A row for another log is an error that names it."""
+    rows = {"b.bag": (PressRow(None, 0, NS_PER_S, "line 2"),)}
+
+    with pytest.raises(UsageError, match=r"hits\.csv: names b\.bag"):
+        rows_of_logs(rows, ["a.bag"], "--truth hits.csv")
+
+
+def test_what_is_no_file_is_not_read() -> None:
+    """A device would never end."""
+    with pytest.raises(LogError, match="no file"):
+        presses_from_csv(Path("/dev/zero"))

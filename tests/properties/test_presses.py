@@ -54,6 +54,24 @@ def test_a_second_level_sensor_is_not_held_if_a_press_was_seen_before() -> None:
     assert [press.held_from_start for press in presses] == [False, False]
 
 
+def test_a_level_sensor_that_speaks_late_is_held_whatever_others_said() -> None:
+    """That one sensor was free says nothing of another before its first message."""
+    events = [(0, "a", False), (0.2, "b", True), (1, "a", False), (2, "b", False)]
+
+    presses = track("level", events, 9, BumperParams())
+
+    assert presses == (Press(seconds(0.2), seconds(2), held_from_start=True),)
+
+
+def test_a_level_sensor_that_speaks_late_joins_a_press_that_was_seen_to_begin() -> None:
+    """The press keeps its onset, and lasts until both are free."""
+    events = [(0, "a", False), (1, "a", True), (1.5, "b", True), (2, "a", False), (3, "b", False)]
+
+    presses = track("level", events, 9, BumperParams())
+
+    assert presses == (Press(seconds(1), seconds(3)),)
+
+
 def test_an_edge_is_the_beginning_itself() -> None:
     """The first message of an edge topic tells of a change, not of a hold."""
     presses = track("edge", [(1, "left", True), (2, "left", False)], 9, BumperParams())

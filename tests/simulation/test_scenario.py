@@ -225,12 +225,20 @@ def test_existing_log_is_refused(tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["log.mcap"]
 
 
-def test_truth_that_cannot_be_written_is_named(tmp_path: Path) -> None:
-    """A folder in place of the table is an error that names it."""
-    (tmp_path / "log.mcap.truth.csv").mkdir()
+def test_an_older_truth_is_not_overwritten(tmp_path: Path) -> None:
+    """Where a truth lies already, neither it nor a log is written."""
+    (tmp_path / "log.mcap.truth.csv").write_text("mine")
 
-    with pytest.raises(OutputError, match=r"truth\.csv: cannot be written"):
+    with pytest.raises(OutputError, match=r"truth\.csv: exists"):
         simulate(tmp_path / "log.mcap", SimulationParams(duration_s=1))
+
+    assert [path.name for path in tmp_path.iterdir()] == ["log.mcap.truth.csv"]
+
+
+def test_a_log_needs_a_name() -> None:
+    """An empty path is refused in words."""
+    with pytest.raises(OutputError, match="no name for a log"):
+        simulate(Path(), SimulationParams(duration_s=1))
 
 
 @pytest.mark.parametrize("container", CONTAINERS)

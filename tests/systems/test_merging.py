@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpap_cli.distance import embed
-from mpap_cli.errors import ModelError
+from mpap_cli.errors import ModelError, UsageError
 from mpap_cli.observations import NS_PER_S, FeatureBlock, Press
 from mpap_cli.params import make_settings
 from mpap_cli.systems.collision import CollisionModel
@@ -88,7 +88,7 @@ def test_models_of_different_settings_are_refused() -> None:
     models = [learnt("a.bag", 1), learnt("b.bag", 2, {**SETTINGS, "early-s": "2.0"})]
 
     message = r"setting early-s is 1.0 in the model of a.bag and 2.0 in that of b.bag; learn both"
-    with pytest.raises(ModelError, match=message):
+    with pytest.raises(UsageError, match=message):
         merge_models(models)
 
 

@@ -27,7 +27,7 @@ def test_bumps_from_elsewhere_need_no_topic(make_log: MakeLog, bump_from: str) -
         make_log(one_of_each(bump="neato_node/msg/Bump")), TopicChoice(bump_from=bump_from)
     )
 
-    assert (roles.bump, roles.bump_rule, roles.bumps) == (None, None, ())
+    assert roles.bumps == ()
     assert roles.bump_reason == f"not looked for (--bump-from {bump_from})"
 
 
@@ -49,10 +49,9 @@ def test_asked_for_bump_of_unknown_type(make_log: MakeLog) -> None:
     by_field = choose_roles(reader, TopicChoice(bumps=("/touch",)))
     by_expression = choose_roles(reader, TopicChoice(bumps=(expression,)))
 
-    assert by_field.bump_rule is not None
-    assert by_field.bump_rule.expression == "data"
-    assert by_expression.bump_rule is not None
-    assert by_expression.bump_rule.expression == "twist.twist.linear.x > 0.5"
+    assert [role.rule.expression for role in by_field.bumps] == ["data"]
+    (role,) = by_expression.bumps
+    assert role.rule.expression == "twist.twist.linear.x > 0.5"
     assert by_expression.bump_reason == "asked for"
 
 
@@ -62,8 +61,8 @@ def test_protective_stop_is_taken_when_asked_for(make_log: MakeLog) -> None:
 
     roles = choose_roles(make_log(events), TopicChoice(bumps=("/stop:pulse=0.5",)))
 
-    assert roles.bump_rule is not None
-    assert (roles.bump_rule.kind, roles.bump_rule.hold_s) == ("pulse", 0.5)
+    (role,) = roles.bumps
+    assert (role.rule.kind, role.rule.hold_s) == ("pulse", 0.5)
 
 
 @pytest.mark.parametrize(
