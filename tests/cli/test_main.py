@@ -215,7 +215,7 @@ def test_an_interrupted_run_leaves_older_results_whole(tmp_path: Path) -> None:
 
     assert time.monotonic() - asked < 1
     assert running.returncode == 130
-    assert err.splitlines()[-1] == "mpap: interrupted; earlier results are as they were"
+    assert err.splitlines()[-1] == "mpap: interrupted; results are whole, older or new"
     assert "Traceback" not in err
     assert {path.name: path.read_bytes() for path in (out / "learn").iterdir()} == before
     assert [path.name for path in out.iterdir()] == ["learn"]

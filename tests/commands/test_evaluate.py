@@ -213,7 +213,7 @@ def test_the_print_out_has_the_lines_of_the_contract(made: Made, tmp_path: Path)
     assert ".90 in / .90 out" in lines[2]
     assert lines[3].startswith("for comparison: mpap as learnt (robust) ")
     assert "nearest range ahead" in lines[3]
-    assert "(blocked, 5 folds, 5 s guard)" in lines[4]
+    assert "(blocked, 5 folds, 1.1 to 2.8 s guard)" in lines[4]
     assert lines[5].startswith("at p >= 0.2: ")
     assert lines[5].endswith("false alarms a minute")
 

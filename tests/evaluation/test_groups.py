@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mpap_cli.errors import UsageError
+from mpap_cli.errors import MpapError, UsageError
 from mpap_cli.evaluation.groups import group_names
 from mpap_cli.observations import ObservedLog
 
@@ -41,13 +41,20 @@ def test_file_lists_groups_by_base_name(tmp_path: Path) -> None:
         ("(", "no regular expression"),
         ("(gazebo)", "matches nothing in day1"),
         ("(x)?neato", "matches nothing in day1"),
-        ("missing.csv", "missing.csv: cannot be read"),
     ],
 )
 def test_groups_that_say_nothing_are_refused(groups: str, match: str) -> None:
     """The message names the option, what was found and what to do."""
     with pytest.raises(UsageError, match=match):
         group_names(LOGS, groups)
+
+
+def test_a_file_that_is_not_there_is_no_usage_error() -> None:
+    """A missing file ends with exit code 1, as everywhere."""
+    with pytest.raises(MpapError, match=r"missing\.csv: no such file") as caught:
+        group_names(LOGS, "missing.csv")
+
+    assert caught.value.exit_code == 1
 
 
 @pytest.mark.parametrize(
