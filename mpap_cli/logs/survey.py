@@ -3,7 +3,8 @@
 import logging
 import math
 from dataclasses import dataclass
-from itertools import islice
+from itertools import groupby, islice
+from operator import itemgetter
 
 import numpy as np
 
@@ -155,7 +156,8 @@ def _shares(scans: list[tuple[Float32Array, ScanGeometry]]) -> dict[str, float]:
     if not scans:
         return {}
     counts = np.zeros(len(BEAM_CODES))
-    for ranges, geometry in scans:
+    for geometry, group in groupby(scans, itemgetter(1)):
+        ranges = np.stack([ranges for ranges, _ in group])
         counts += [np.count_nonzero(of_code) for of_code in _coded(ranges, geometry)]
     return dict(zip(BEAM_CODES, (counts / counts.sum()).tolist(), strict=True))
 

@@ -5,25 +5,30 @@ that come with mpap, else from the standard types of the ROS distribution.
 """
 
 import json
-import re
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache
-from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mpap_cli.errors import LogError, UsageError
-from mpap_cli.logs.raw import PayloadError, RawMessage, Topic, ros2_name
+from mpap_cli.logs.files.definition_texts import (
+    BAD_DEFINITION,
+    built_in,
+    parse,
+    standard_types,
+    type_names,
+    type_of,
+)
+from mpap_cli.logs.raw import PayloadError, RawMessage, Topic
 
 if TYPE_CHECKING:
-    from rosbags.interfaces.typing import FieldDesc, Typesdict
+    from rosbags.interfaces.typing import Typesdict
     from rosbags.typesys.store import Typestore
 
 Decode = Callable[[bytes], object]
 
-_IDL_SEPARATOR = "=" * 80 + "\n"
-_CONSTANT_LINE = re.compile(r"^[ \t]*[\w/]+[ \t]+\w+[ \t]*=.*$", re.MULTILINE)
-_BAD_DEFINITION = (SyntaxError, ValueError, LookupError, AssertionError, RecursionError)
+
+_MOST_STORES = 256
+_STORES: "dict[tuple[object, ...], Typestore]" = {}
 
 
 class DefinitionsStore:
@@ -101,9 +106,19 @@ class DefinitionsStore:
 
     def _make_store(self, topic: Topic) -> "Typestore":
         """Return a store that holds a type and the types of its fields."""
+        # logs of one robot share definitions, and a store takes milliseconds to compile
+        key = (topic.msgtype, topic.encoding, topic.definition, self._ros_distro, self._folders)
+        if key not in _STORES:
+            if len(_STORES) >= _MOST_STORES:
+                _STORES.clear()
+            _STORES[key] = self._compile_store(topic)
+        return _STORES[key]
+
+    def _compile_store(self, topic: Topic) -> "Typestore":
+        """Compile a store for one type."""
         from rosbags.typesys import Stores, TypesysError, get_typestore  # noqa: PLC0415
 
-        own = _parse(topic.definition, topic.definition_format, topic.msgtype)
+        own = parse(topic.definition, topic.definition_format, topic.msgtype)
         try:
             found = self._collect(topic, own or {})
         except LogError as err:
@@ -116,24 +131,24 @@ class DefinitionsStore:
         try:
             store.register({k: v for k, v in found.items() if k not in store.fielddefs})
             store.get_msgdef(topic.msgtype)
-        except (TypesysError, *_BAD_DEFINITION) as err:
+        except (TypesysError, *BAD_DEFINITION) as err:
             msg = f"{self._log}: the definition of {topic.msgtype} cannot be used"
             raise LogError(msg) from err
         return store
 
     def _collect(self, topic: Topic, own: "Typesdict") -> "Typesdict":
         """Take a type and the types of its fields, each from the first place that has it."""
-        standard = _standard_types(topic.encoding, self._ros_distro)
+        standard = standard_types(topic.encoding, self._ros_distro)
         found: Typesdict = {}
         wanted = [topic.msgtype]
         while wanted:
             msgtype = wanted.pop()
-            sources = (own, self._from_folders(msgtype), _built_in(msgtype), standard)
+            sources = (own, self._from_folders(msgtype), built_in(msgtype), standard)
             source = next((types for types in sources if msgtype in types), None)
             if source is None:
                 raise LogError(self._no_definition(topic, msgtype))
             found[msgtype] = source[msgtype]
-            names = {name for _, desc in source[msgtype][1] for name in _type_names(desc)}
+            names = {name for _, desc in source[msgtype][1] for name in type_names(desc)}
             wanted.extend(names - found.keys() - set(wanted))
         return found
 
@@ -147,12 +162,12 @@ class DefinitionsStore:
     def _from_folders(self, msgtype: str) -> "Typesdict":
         """Return the type from the folders of the user; empty if it is not there."""
         for path in self._files():
-            if path.suffix == ".msg" and _type_of(path) != msgtype:
+            if path.suffix == ".msg" and type_of(path) != msgtype:
                 continue
             if path.suffix == ".idl" and path.stem != msgtype.rpartition("/")[2]:
                 continue
             form = "ros2idl" if path.suffix == ".idl" else "ros2msg"
-            types = _parse(path.read_text(encoding="utf-8", errors="replace"), form, msgtype)
+            types = parse(path.read_text(encoding="utf-8", errors="replace"), form, msgtype)
             if types is None:
                 msg = f"{path}: cannot be understood as the definition of {msgtype}"
                 raise LogError(msg)
@@ -180,70 +195,3 @@ def _ros_decoder(store: "Typestore", topic: Topic) -> Decode:
             raise ValueError(*err.args) from err
 
     return decode
-
-
-@cache
-def _standard_types(encoding: str, ros_distro: str) -> "Typesdict":
-    """Return the types of a distribution."""
-    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
-
-    store = Stores.ROS1_NOETIC
-    if encoding != "ros1":
-        store = Stores.__members__.get(f"ROS2_{ros_distro.upper()}", Stores.ROS2_HUMBLE)
-    return get_typestore(store).fielddefs
-
-
-def _type_of(path: Path) -> str:
-    """Return the type that a .msg file defines, by its name and folders.
-
-    >>> _type_of(Path("kobuki_msgs__msg__BumperEvent.msg"))
-    'kobuki_msgs/msg/BumperEvent'
-    >>> _type_of(Path("ws/kobuki_msgs/msg/BumperEvent.msg"))
-    'kobuki_msgs/msg/BumperEvent'
-    """
-    if "__" in path.stem:
-        return ros2_name(path.stem.replace("__", "/"))
-    package = path.parent.parent if path.parent.name == "msg" else path.parent
-    return f"{package.name}/msg/{path.stem}"
-
-
-def _built_in(msgtype: str) -> "Typesdict":
-    """Return the type as mpap's own definitions have it; empty if they do not."""
-    place = files("mpap_cli.logs") / "definitions" / f"{msgtype.replace('/', '__')}.msg"
-    if not place.is_file():
-        return {}
-    return _parse(place.read_text(encoding="utf-8"), "ros2msg", msgtype) or {}
-
-
-def _parse(text: str, form: str, msgtype: str) -> "Typesdict | None":
-    """Return the types that a text defines; None if it cannot be understood or is empty."""
-    from rosbags.typesys import (  # noqa: PLC0415
-        TypesysError,
-        get_types_from_idl,
-        get_types_from_msg,
-    )
-
-    try:
-        if form == "ros2idl":
-            parts = text.split(_IDL_SEPARATOR) if _IDL_SEPARATOR in text else [text]
-            texts = [re.sub(r"\AIDL: [^\n]*\n", "", part) for part in parts if part.strip()]
-            return {name: made for part in texts for name, made in get_types_from_idl(part).items()}
-        if form and text.strip():
-            return get_types_from_msg(text, msgtype)
-    except (TypesysError, *_BAD_DEFINITION):
-        plain = _CONSTANT_LINE.sub("", text)
-        # Some drivers name constants in ways the format forbids; payloads hold no constants.
-        again = form != "ros2idl" and plain != text and plain.strip()
-        return _parse(plain, form, msgtype) if again else None
-    return None
-
-
-def _type_names(desc: "FieldDesc") -> Iterator[str]:
-    """Yield the names of the messages that a field is made of."""
-    from rosbags.interfaces import Nodetype  # noqa: PLC0415
-
-    if desc[0] == Nodetype.NAME:
-        yield str(desc[1])
-    elif desc[0] in {Nodetype.ARRAY, Nodetype.SEQUENCE}:
-        inner: Any = desc[1][0]
-        yield from _type_names(inner)
