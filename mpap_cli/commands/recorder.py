@@ -9,7 +9,8 @@ from mpap_cli.commands.progress import Progress
 from mpap_cli.commands.sources import Source
 from mpap_cli.errors import UsageError
 from mpap_cli.observations import NS_PER_S, Batch, Press
-from mpap_cli.outputs.recording import RecordedLog, RecordingWriter
+from mpap_cli.outputs.recorded_log import RecordedLog
+from mpap_cli.outputs.recording import RecordingWriter
 
 
 class Recorder:

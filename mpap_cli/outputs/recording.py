@@ -8,7 +8,6 @@ A log's record follows its chunks, the list of logs is last: memory stays flat.
 import math
 import zipfile
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path, PurePath
 from types import TracebackType
@@ -26,30 +25,13 @@ from mpap_cli.outputs.array_members import (
     write_record,
 )
 from mpap_cli.outputs.model_file import check_format
+from mpap_cli.outputs.recorded_log import RecordedLog
 from mpap_cli.outputs.scan_chunks import ARRAYS, ChunkPacker, make_chunk, unpack
 
 FORMAT = "mpap recording"
 VERSION = 1
 _CHUNK_BYTES = 4 * 1024 * 1024
 _WHAT = "recording"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RecordedLog:
-    """What is known of a log when all its scans have been written.
-
-    The fields mean what they mean in ``ObservedLog``; of ``path`` the base name and
-    the folder around it are kept (``--groups folder``), not where that lies.
-    """
-
-    name: str
-    path: str
-    start_ns: int
-    end_ns: int
-    forward_rad: float
-    range_max: float | None
-    presses: tuple[Press, ...] | None
-    bump_source: str
 
 
 class RecordingWriter:

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from mpap_cli.errors import ModelError
 from mpap_cli.observations import Press, ScanBlock, ScanGeometry
 from mpap_cli.outputs.model_file import write_model
-from mpap_cli.outputs.recording import RecordedLog, RecordingWriter, read_recording
+from mpap_cli.outputs.recorded_log import RecordedLog
+from mpap_cli.outputs.recording import RecordingWriter, read_recording
 from mpap_cli.outputs.scan_chunks import make_chunk
 
 GEOMETRY = ScanGeometry(5, -1.0, 0.5, 0.1, 5.0, "laser")
