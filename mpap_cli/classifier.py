@@ -36,6 +36,7 @@ from mpap_cli.observations import (
 )
 from mpap_cli.params import PropertyParams
 from mpap_cli.properties.counts import ClusteredPoints, cluster_counts, ratio
+from mpap_cli.properties.kernel import Kernel, kernel_mean
 
 _MOST_ROWS = 512
 _MOST_DISTANCES = 1 << 21
@@ -94,14 +95,8 @@ def _of_metapoint(model: _Model, readings: _Readings) -> Float64Array:
 
 def _of_kernel(model: _Model, readings: _Readings) -> Float64Array:
     """Read the mean of the counts of the nearest meta-points, the nearer the weightier."""
-    nearest = k_nearest(readings.squared, model.params.kernel_k)
-    squared = np.take_along_axis(readings.squared, nearest, axis=1)
-    weights = np.exp(squared / (-2.0 * model.theta**2))
-    counts = model.counts[nearest]
-    prior = model.params.prior_counts
-    positive = (weights * counts[:, :, 1]).sum(axis=1) + prior * model.base_rate
-    total = (weights * counts.sum(axis=2)).sum(axis=1) + prior
-    return np.asarray(positive / total, dtype=np.float64)
+    kernel = Kernel(model.theta, model.params.kernel_k, model.params.prior_counts)
+    return kernel_mean(readings.squared, model.counts, model.base_rate, kernel)
 
 
 READOUTS: dict[str, Callable[[_Model, _Readings], Float64Array]] = {
@@ -110,39 +105,6 @@ READOUTS: dict[str, Callable[[_Model, _Readings], Float64Array]] = {
     "metapoint": _of_metapoint,
     "kernel": _of_kernel,
 }
-
-
-def k_nearest(squared: Float64Array, k: int) -> IntArray:
-    """Find the k smallest of each row; among equal ones those that come first.
-
-    Parameters
-    ----------
-    squared : ndarray of shape (m, n)
-        Without NaN.
-    k : int
-        1 or more; all columns are found if there are fewer.
-
-    Returns
-    -------
-    ndarray of shape (m, min(k, n))
-        Columns, ascending.
-
-    Examples
-    --------
-    >>> k_nearest(np.array([[3.0, 1.0, 1.0, 0.0, 1.0]]), 2).tolist()
-    [[1, 3]]
-    """
-    n = squared.shape[1]
-    if n <= k:
-        return np.tile(np.arange(n), (squared.shape[0], 1))
-    border = np.partition(squared, k - 1, axis=1)[:, k - 1 : k]
-    chosen = squared <= border
-    too_many = np.flatnonzero(chosen.sum(axis=1) > k)
-    ties = squared[too_many] == border[too_many]
-    nearer = chosen[too_many] & ~ties
-    free = k - nearer.sum(axis=1, keepdims=True)
-    chosen[too_many] = nearer | (ties & (np.cumsum(ties, axis=1) <= free))
-    return np.nonzero(chosen)[1].reshape(squared.shape[0], k)
 
 
 def classify(

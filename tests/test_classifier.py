@@ -7,13 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpap_cli.classifier import READOUTS, classify, k_nearest
+from mpap_cli.classifier import READOUTS, classify
 from mpap_cli.clustering.meta_points import MetaPoints
 from mpap_cli.distance import embed
 from mpap_cli.observations import Float32Array
 from mpap_cli.params import READOUTS as READOUT_NAMES
 from mpap_cli.params import AffinityParams, MetaPointParams, PropertyParams
 from mpap_cli.properties.counts import ClusteredPoints, cluster_counts
+from mpap_cli.properties.kernel import k_nearest
 
 THETA = 0.1
 

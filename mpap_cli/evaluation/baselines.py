@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpap_cli.classifier import k_nearest
 from mpap_cli.distance import squared_distances
 from mpap_cli.observations import BoolArray, Float64Array, FloatArray
+from mpap_cli.properties.kernel import Kernel, kernel_mean
 
 MAX_TRAIN = 10_000
 MAX_CENTRES = 200
@@ -150,17 +150,12 @@ def _kernel_over(
 ) -> Fitted:
     """Weight the counts of the nearest references by exp(-d^2 / 2 theta^2)."""
     fixed = references.astype(np.float64)
-    k = read_out.neighbours
-    prior = read_out.prior_counts
+    pairs = np.stack([counts - positives, positives], axis=1).astype(np.int64)
     base = float(positives.sum() / counts.sum())
+    kernel = Kernel(read_out.theta, read_out.neighbours, read_out.prior_counts)
 
     def probability(rows: Float64Array) -> Float64Array:
-        d2 = squared_distances(rows, fixed)
-        nearest = k_nearest(d2, k)
-        weight = np.exp(-np.take_along_axis(d2, nearest, axis=1) / (2 * read_out.theta**2))
-        hits = np.sum(weight * positives[nearest], axis=1)
-        total = np.sum(weight * counts[nearest], axis=1)
-        return np.asarray((hits + prior * base) / (total + prior), dtype=np.float64)
+        return kernel_mean(squared_distances(rows, fixed), pairs, base, kernel)
 
     def score(tested: FloatArray) -> tuple[Float64Array, Float64Array]:
         parts = [
