@@ -14,10 +14,10 @@ from rosbags.highlevel import AnyReader
 
 from benchmarks.measuring import in_turns, simulated
 from benchmarks.table import Row
-from mpap_cli.features import _kernels
-from mpap_cli.features.scan_bins import lay_out_bins
-from mpap_cli.features.scan_cleaning import range_limits
-from mpap_cli.features.scan_features import ScanEmbedder
+from mpap_cli.features.scans import _kernels
+from mpap_cli.features.scans.scan_bins import lay_out_bins
+from mpap_cli.features.scans.scan_cleaning import range_limits
+from mpap_cli.features.scans.scan_features import ScanEmbedder
 from mpap_cli.logs.reader import open_log
 from mpap_cli.logs.replay import Replay
 from mpap_cli.logs.survey import survey_log

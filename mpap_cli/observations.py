@@ -88,17 +88,32 @@ class Press:
     released: bool = True
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseBlock:
+    """Where the robot was by its own odometry, in time order.
+
+    ``stamps_ns`` (n,) int64; ``poses`` (n, 3) float64: x, y in metres and heading in
+    radians, in the frame of the odometry.
+    """
+
+    stamps_ns: IntArray
+    poses: Float64Array
+
+
 @dataclass(frozen=True, slots=True)
 class Batch:
     """Everything a log holds up to ``until_ns`` that was not in the batch before.
 
-    Scans and bumps are each in time order; no later batch of the log holds anything
-    stamped at or before ``until_ns``.
+    Scans, bumps, images and poses are each in time order; no later batch of the log holds
+    anything stamped at or before ``until_ns``. ``poses`` is None where none was asked for
+    or the log has none.
     """
 
     until_ns: int
     scans: tuple[ScanBlock, ...]
     bumps: tuple[Bump, ...]
+    frames: tuple[Frame, ...] = ()
+    poses: PoseBlock | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,6 +130,20 @@ class FeatureBlock:
     features: Float32Array
     kept: IntArray
     nearest_ahead_m: Float32Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PatchBlock:
+    """Embedded patches of consecutive images of one log (section 4.2.2).
+
+    ``stamps_ns`` (n,) are those of the images; ``features`` is float32 of shape
+    (n, n_patches, d), each patch of Euclidean length 1, row by row of the grid from the
+    top left; ``kept`` (n,) tells which of the frames they come from.
+    """
+
+    stamps_ns: IntArray
+    features: Float32Array
+    kept: IntArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,6 +178,22 @@ class Prediction:
     novel: BoolArray
     p_cluster: Float64Array
     p_collision: Float64Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PatchPrediction:
+    """What a model says of the patches of n images; arrays of shape (n, n_patches).
+
+    ``cluster`` int64 (-1: the nearest exemplar is in no cluster yet), ``distance`` float64
+    to the nearest exemplar, ``unknown`` bool: farther than the fit radius from every
+    exemplar; ``p_obstacle`` float64 in [0, 1], filled for unknown patches too, NaN only
+    where the model has no labels.
+    """
+
+    cluster: IntArray
+    distance: Float64Array
+    unknown: BoolArray
+    p_obstacle: Float64Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,7 +8,7 @@ import numpy as np
 
 from mpap_cli.commands.selection import LogSelection
 from mpap_cli.errors import LogError
-from mpap_cli.features.image_decode import Image, decode_frame
+from mpap_cli.features.images.image_decode import Image, decode_frame
 from mpap_cli.logs.frames import read_frame
 from mpap_cli.logs.reader import LogReader, RawMessage, Topic, expand_paths, open_log
 from mpap_cli.logs.topics import choose_roles

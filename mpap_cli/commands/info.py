@@ -20,7 +20,7 @@ from mpap_cli.commands.press_file import presses_by_hand
 from mpap_cli.commands.selection import LogSelection
 from mpap_cli.commands.sources import DAMAGED, Source, open_readable, survey_source
 from mpap_cli.errors import LogError
-from mpap_cli.features.image_decode import decode_frame
+from mpap_cli.features.images.image_decode import decode_frame
 from mpap_cli.logs.reader import expand_paths
 from mpap_cli.observations import NS_PER_S, BoolArray, IntArray, Press
 from mpap_cli.params import BumperParams, make_settings

@@ -15,7 +15,7 @@ from mpap_cli.commands.selection import LogSelection
 from mpap_cli.commands.settings import SettingsRequest, settings_from
 from mpap_cli.commands.sources import Losses, Source, open_sources
 from mpap_cli.errors import UsageError
-from mpap_cli.features.scan_features import FEW_BEAMS
+from mpap_cli.features.scans.scan_features import FEW_BEAMS
 from mpap_cli.outputs.model_file import find_model
 from mpap_cli.outputs.recording import read_recording
 from mpap_cli.outputs.results_folder import ResultsFolder

@@ -6,7 +6,7 @@ import numpy as np
 
 from mpap_cli.commands.sources import Source
 from mpap_cli.errors import LogError
-from mpap_cli.features.image_decode import Image
+from mpap_cli.features.images.image_decode import Image
 from mpap_cli.logs.frames import read_frame
 from mpap_cli.logs.listing import messages_of
 from mpap_cli.logs.reader import LogReader

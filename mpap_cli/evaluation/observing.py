@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mpap_cli.features.scan_features import ScanEmbedder
+from mpap_cli.features.scans.scan_features import ScanEmbedder
 from mpap_cli.observations import (
     BoolArray,
     FeatureBlock,

@@ -4,7 +4,9 @@ A setting's key is its field's name with hyphens (``min_points`` is ``min-points
 ``--set KEY=VALUE``, a TOML file and the profiles all go through :func:`make_settings`.
 """
 
+from mpap_cli.params.appearance import ObstacleParams, StrapParams
 from mpap_cli.params.clustering import AffinityParams, MetaPointParams, parse_preference
+from mpap_cli.params.image import ImageParams
 from mpap_cli.params.labels import (
     READOUTS,
     TARGETS,
@@ -30,10 +32,13 @@ __all__ = [
     "AffinityParams",
     "BumperParams",
     "EvaluationParams",
+    "ImageParams",
     "MetaPointParams",
+    "ObstacleParams",
     "PropertyParams",
     "ScanParams",
     "Settings",
+    "StrapParams",
     "make_settings",
     "parse_preference",
     "setting_fields",

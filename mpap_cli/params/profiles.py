@@ -5,8 +5,10 @@ from dataclasses import dataclass, field, fields
 from typing import Any, get_args, get_type_hints
 
 from mpap_cli.errors import SettingError
+from mpap_cli.params.appearance import ObstacleParams, StrapParams
 from mpap_cli.params.checks import key_of, require
 from mpap_cli.params.clustering import AffinityParams, MetaPointParams
+from mpap_cli.params.image import ImageParams
 from mpap_cli.params.labels import BumperParams, EvaluationParams, PropertyParams
 from mpap_cli.params.scan import ScanParams
 
@@ -22,6 +24,9 @@ class Settings:
     meta_point: MetaPointParams = field(default_factory=MetaPointParams)
     properties: PropertyParams = field(default_factory=PropertyParams)
     evaluation: EvaluationParams = field(default_factory=EvaluationParams)
+    image: ImageParams = field(default_factory=ImageParams)
+    strap: StrapParams = field(default_factory=StrapParams)
+    obstacle: ObstacleParams = field(default_factory=ObstacleParams)
 
     def __post_init__(self) -> None:
         """Refuse mixtures of the profiles: each has features of its own."""
@@ -38,6 +43,9 @@ GROUPS: dict[str, type] = {
     "meta_point": MetaPointParams,
     "properties": PropertyParams,
     "evaluation": EvaluationParams,
+    "image": ImageParams,
+    "strap": StrapParams,
+    "obstacle": ObstacleParams,
 }
 
 PROFILES: dict[str, dict[str, str]] = {
@@ -50,6 +58,7 @@ PROFILES: dict[str, dict[str, str]] = {
         "preference": "median",
         "learn-target": "contact",
         "readout": "exemplar",
+        "obstacle-labels": "plain",
     },
 }
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from mpap_cli.clustering.meta_points import MetaPoints
 from mpap_cli.errors import ModelError
-from mpap_cli.features.scan_features import ScanEmbedder
+from mpap_cli.features.scans.scan_features import ScanEmbedder
 from mpap_cli.observations import (
     NS_PER_S,
     Batch,

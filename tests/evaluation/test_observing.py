@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mpap_cli.evaluation.observing import Look, observe, raw_look
-from mpap_cli.features.scan_features import ScanEmbedder
+from mpap_cli.features.scans.scan_features import ScanEmbedder
 from mpap_cli.observations import ObservedLog, ScanBlock
 from mpap_cli.params import ScanParams, Settings
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpap_cli.errors import UsageError
-from mpap_cli.features import _kernels
+from mpap_cli.features.scans import _kernels
 from mpap_cli.observations import Float32Array, ScanGeometry
 from mpap_cli.params import ScanParams
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mpap_cli.errors import UsageError
-from mpap_cli.features.scan_features import ScanEmbedder
+from mpap_cli.features.scans.scan_features import ScanEmbedder
 from mpap_cli.observations import Float32Array, ScanBlock, ScanGeometry
 from mpap_cli.params import SCAN_FEATURE_NAMES, make_settings
 

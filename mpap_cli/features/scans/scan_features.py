@@ -11,10 +11,10 @@ from dataclasses import replace
 import numpy as np
 
 from mpap_cli.distance import embed
-from mpap_cli.features import _kernels
-from mpap_cli.features.scan_bins import BinLayout, beam_bearings, lay_out_bins
-from mpap_cli.features.scan_cleaning import RangeLimits, clean_ranges, range_limits
-from mpap_cli.features.temporal import ChangeOverTime, SlidingMinimum
+from mpap_cli.features.scans import _kernels
+from mpap_cli.features.scans.scan_bins import BinLayout, beam_bearings, lay_out_bins
+from mpap_cli.features.scans.scan_cleaning import RangeLimits, clean_ranges, range_limits
+from mpap_cli.features.scans.temporal import ChangeOverTime, SlidingMinimum
 from mpap_cli.observations import FeatureBlock, Float32Array, Float64Array, ScanBlock
 from mpap_cli.params import ScanParams
 

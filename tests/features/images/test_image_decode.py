@@ -5,7 +5,7 @@ import zlib
 
 import pytest
 
-from mpap_cli.features.image_decode import decode_frame
+from mpap_cli.features.images.image_decode import decode_frame
 from mpap_cli.observations import Frame
 
 

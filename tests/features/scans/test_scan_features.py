@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mpap_cli.distance import embed
-from mpap_cli.features.scan_features import SCAN_FEATURES, ScanEmbedder
+from mpap_cli.features.scans.scan_features import SCAN_FEATURES, ScanEmbedder
 from mpap_cli.observations import Float32Array, ScanBlock, ScanGeometry
 from mpap_cli.params import PAPER_FEATURES, SCAN_FEATURE_NAMES, ScanParams, make_settings
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpap_cli.features.temporal import ChangeOverTime, SlidingMinimum, to_ns
+from mpap_cli.features.scans.temporal import ChangeOverTime, SlidingMinimum, to_ns
 from mpap_cli.observations import Float64Array, IntArray
 
 SECOND = 10**9

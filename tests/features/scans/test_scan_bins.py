@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mpap_cli.features.scan_bins import BinLayout, beam_bearings, lay_out_bins
+from mpap_cli.features.scans.scan_bins import BinLayout, beam_bearings, lay_out_bins
 from mpap_cli.observations import ScanGeometry
 from mpap_cli.params import ScanParams
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpap_cli.errors import UsageError
-from mpap_cli.features.scan_cleaning import clean_ranges, range_limits
+from mpap_cli.features.scans.scan_cleaning import clean_ranges, range_limits
 from mpap_cli.observations import ScanGeometry
 from mpap_cli.params import ScanParams
 

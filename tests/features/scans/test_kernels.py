@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpap_cli.features import _kernels
+from mpap_cli.features.scans import _kernels
 from mpap_cli.observations import Float32Array, Float64Array, IntArray
 
 STATISTICS = np.arange(6)

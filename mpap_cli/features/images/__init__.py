@@ -1,0 +1,1 @@
+"""Features of camera images (section 4.2.2)."""

@@ -1,0 +1,1 @@
+"""Features of laser scans (section 4.1)."""
