@@ -26,6 +26,7 @@ lint: $(VENV)/.installed-tools
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/python docs/make_reference.py --check
+	$(BIN)/python docs/make_schematics.py --check
 
 check: lint
 	$(BIN)/python -m pytest -q -n 2 $(QUICK) --cov --cov-report=term
@@ -38,6 +39,7 @@ layers: $(VENV)/.installed-tools
 
 docs: $(VENV)/.installed-tools
 	$(BIN)/python docs/make_reference.py
+	$(BIN)/python docs/make_schematics.py
 
 golden: $(VENV)/.installed-tools
 	MPAP_REWRITE_GOLDEN=1 $(BIN)/python -m pytest -q tests/commands

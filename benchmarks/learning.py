@@ -6,9 +6,9 @@ from pathlib import Path
 from benchmarks import straightforward
 from benchmarks.measuring import MPAP, children_in_turns, in_turns, run_child, simulated
 from benchmarks.table import Row
-from mpap_cli.commands.learn import LearnRequest, Learnt
+from mpap_cli.commands.learn import LearnRequest, LearntScans
 from mpap_cli.commands.learn import learn as run_learn
-from mpap_cli.commands.models import load_model
+from mpap_cli.commands.models import load_collision_model
 from mpap_cli.commands.selection import LogSelection
 from mpap_cli.commands.settings import SettingsRequest
 
@@ -28,9 +28,13 @@ def _learn_rows(world: str, folder: Path) -> list[Row]:
     path = simulated(folder, world)
     out = folder / f"{world}-out"
 
-    def by_mpap() -> Learnt:
+    def by_mpap() -> LearntScans:
         selection = LogSelection(logs=(str(path),))
-        return run_learn(selection, SettingsRequest(), LearnRequest(out=out))
+        scans = run_learn(selection, SettingsRequest(), LearnRequest(out=out)).scans
+        if scans is None:
+            msg = "no scans were learnt"
+            raise RuntimeError(msg)
+        return scans
 
     _compare(by_mpap(), straightforward.main(path), out)
     inside = in_turns([by_mpap, lambda: straightforward.main(path)], REPEATS)
@@ -48,7 +52,7 @@ def _learn_rows(world: str, folder: Path) -> list[Row]:
     ]
 
 
-def _compare(mine: Learnt, theirs: straightforward.Learnt, out: Path) -> None:
+def _compare(scans: LearntScans, theirs: straightforward.Learnt, out: Path) -> None:
     """Say what both learnt.
 
     Raises
@@ -56,11 +60,11 @@ def _compare(mine: Learnt, theirs: straightforward.Learnt, out: Path) -> None:
     RuntimeError
         If it is not the same number of scans, meta-points, cluster-points and labels.
     """
-    counts = load_model(out).meta_points.counts.sum(axis=0)
+    counts = load_collision_model(out).meta_points.counts.sum(axis=0)
     found = straightforward.Learnt(
-        n_scans=mine.n_scans,
-        n_meta_points=mine.n_meta_points,
-        n_cluster_points=mine.n_cluster_points,
+        n_scans=scans.n_scans,
+        n_meta_points=scans.n_meta_points,
+        n_cluster_points=scans.n_cluster_points,
         n_clusters=theirs.n_clusters,  # the jitter of scikit-learn is another one
         labels=tuple((int(free), int(pressed)) for free, pressed in counts),
     )

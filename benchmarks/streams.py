@@ -8,6 +8,7 @@ from mpap_cli.distance import embed
 F32 = NDArray[np.float32]
 N_POINTS = 48_600  # 1,350 images of 6 x 6 patches, as the paper has them
 _BINS = 95  # 96 dimensions with the coordinate of the empty histogram
+_PATCH_BINS = 108
 THETA, MIN_POINTS = 0.2, 5
 
 
@@ -44,3 +45,19 @@ def gaussians(n: int, seed: int = 0) -> F32:
     centres = places.reshape(-1, 2)[:10] + rng.uniform(-1, 1, (10, 2))
     points = centres[rng.integers(10, size=n)] + rng.standard_normal((n, 2))
     return points.astype(np.float32)
+
+
+def patch_stream(n_kinds: int, n: int, spread: float, seed: int = 0) -> F32:
+    """Return n points of 109 dimensions, of so many kinds, in directions of their own.
+
+    The kinds are the same for every seed; a point lies at about ``spread`` from its kind,
+    some at half of that or twice as far.
+    """
+    kinds = embed(np.random.default_rng(n_kinds).dirichlet(np.full(_PATCH_BINS, 0.4), n_kinds))
+    rng = np.random.default_rng((seed, n))
+    lengths = spread * np.sqrt(2.0) * rng.gamma(8.0, 1 / 8, (n, 1))
+    steps = rng.standard_normal((n, kinds.shape[1])) / np.sqrt(kinds.shape[1])
+    points = kinds[rng.integers(n_kinds, size=n)] + lengths * steps
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    made: F32 = points.astype(np.float32)
+    return made

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The main job on the fixture logs: info, learn, evaluate.
+# The main job on the fixture logs: info, learn, evaluate, and what a camera adds.
 set -eu
 run() {
     printf '\n$ mpap %s\n' "$*"
@@ -10,4 +10,7 @@ run info fixtures/indoor-a.bag
 run learn fixtures/indoor-a.bag fixtures/indoor-a2.mcap fixtures/indoor-b fixtures/indoor-json.mcap --out "$OUT"
 run evaluate --out "$OUT"
 run evaluate --feature global-diff --bins 6 --out "$OUT"
-printf '\nTables and pictures: %s/learn and %s/evaluate\n' "$OUT" "$OUT"
+run learn fixtures/camera-a.mcap --sensor image --out "$OUT-camera"
+run predict "$OUT-camera" fixtures/camera-a.mcap --out "$OUT-camera"
+run novelty fixtures/camera-a.mcap fixtures/camera-b.mcap fixtures/camera-a.mcap --window 10 --out "$OUT-camera"
+printf '\nTables and pictures: %s (laser) and %s-camera (camera)\n' "$OUT" "$OUT"

@@ -1,10 +1,10 @@
-"""The page that ``mpap info`` prints for a log or a model."""
+"""The page that ``mpap info`` prints for a log."""
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 
-from mpap_cli.commands.info import LogInfo, ModelInfo
+from mpap_cli.commands.info import LogInfo
 from mpap_cli.observations import NS_PER_S
 from mpap_cli.outputs.evaluate_text import count
 from mpap_cli.outputs.text_table import aligned, printable
@@ -30,52 +30,14 @@ class TopicRow:
     role: str | None
 
 
-@dataclass(frozen=True, slots=True)
-class ModelRow:
-    """What ``--format csv`` prints of a log that a model has learnt."""
-
-    path: str
-    profile: str
-    feature: str
-    bins: int
-    clusters: int
-    meta_points: int
-    log: str
-    scans: int
-    presses: int | None
-
-
 def topic_rows(log: LogInfo) -> list[TopicRow]:
     """Return the topics of a log."""
     return [TopicRow(log.name, *topic.values()) for topic in log.facts["topics"]]
 
 
-def model_rows(model: ModelInfo) -> list[ModelRow]:
-    """Return the logs of a model, each with what the model is."""
-    *known, _, logs = model_facts(model).values()
-    return [ModelRow(*known, *log.values()) for log in logs]
-
-
 def log_facts(log: LogInfo) -> dict[str, Any]:
     """Return what ``--format json`` prints of a log."""
     return log.facts
-
-
-def model_facts(model: ModelInfo) -> dict[str, Any]:
-    """Return what ``--format json`` prints of a model."""
-    known = model.model
-    return {
-        "path": str(model.path),
-        "profile": known.settings.profile,
-        "feature": known.settings.scan.feature,
-        "bins": known.settings.scan.bins,
-        "clusters": len(known.clusters()),
-        "meta_points": known.meta_points.n_points,
-        "scans": sum(log.n_scans for log in known.logs),
-        "logs": [
-            {"name": log.name, "scans": log.n_scans, "presses": log.n_presses} for log in known.logs
-        ],
-    }
 
 
 def log_text(log: LogInfo) -> str:
@@ -147,29 +109,6 @@ def _image_line(log: LogInfo) -> str:
         f"  image: {image['topic']} ({log.reasons['image']}): {count(image['images'], 'image')}, "
         f"{size}, {image['encoding'] or 'encoding unknown'}"
     )
-
-
-def model_text(model: ModelInfo) -> str:
-    """Lay out what a model knows."""
-    facts = model_facts(model)
-    lines = [
-        (
-            f"{model.path}: model of profile {facts['profile']}, {facts['feature']}, "
-            f"{facts['bins']} bins: {count(facts['clusters'], 'cluster')}, "
-            f"{count(facts['meta_points'], 'meta-point')}, {count(facts['scans'], 'scan')}"
-        ),
-        *aligned(
-            [
-                ("  log", "scans", "presses"),
-                *(
-                    (f"  {g['name']}", str(g["scans"]), _number(g["presses"]))
-                    for g in facts["logs"]
-                ),
-            ],
-            right={1, 2},
-        ),
-    ]
-    return "".join(f"{line}\n" for line in lines)
 
 
 def _number(value: float | None) -> str:

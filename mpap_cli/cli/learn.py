@@ -13,10 +13,12 @@ from mpap_cli.cli import options
 Examples:
   mpap learn day1.bag day2.bag
   mpap learn day3.mcap --model mpap-out
+  mpap learn day1.bag --sensor image
   mpap learn day1.bag --bump-topic '/safety:in_protective_stop'
 """,
 )
 @options.logs(required=True)
+@options.sensor
 @options.scan_geometry
 @options.feature()
 @options.settings
@@ -39,8 +41,9 @@ Examples:
 def learn(**words: Any) -> int:
     """Learn clusters and collision probabilities from logs, one history in the order given.
 
-    Writes clusters.csv, model.npz, recording.npz, exemplars.png and settings.json into
-    DIR/learn. Without a bumper the scans are clustered only.
+    Laser scans give a collision model, camera images an appearance model. Writes
+    clusters.csv, model.npz, recording.npz, exemplars.png, of images also members.png, and
+    settings.json into DIR/learn. Without a bumper there are clusters only.
     """
     from mpap_cli.cli.printing import print_learnt, progress
     from mpap_cli.commands.learn import LearnRequest

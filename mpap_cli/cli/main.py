@@ -15,7 +15,8 @@ COMMANDS = {
     "info": "What a log holds and what could be learnt from it.",
     "learn": "Learn clusters and collision probabilities from logs.",
     "evaluate": "Score collision prediction: ROC, AUC, lead times.",
-    "predict": "Predict collisions for every scan of new logs.",
+    "predict": "Predict collisions and obstacles in new logs.",
+    "novelty": "How much of each log is new, over time.",
     "merge": "Make one model of several.",
     "simulate": "Write the log of a simulated robot, and the truth.",
     "config": "List every setting with its value and origin.",
@@ -72,7 +73,8 @@ Example:
 def mpap() -> None:
     """Learn from recorded robot logs what the surroundings look like and what means a collision.
 
-    Reads ROS bags and MCAP files with no ROS installed. The way through: info, learn, evaluate.
+    Reads ROS bags and MCAP files with no ROS installed. The way through: info, learn, evaluate,
+    novelty.
     """
 
 

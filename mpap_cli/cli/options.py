@@ -33,7 +33,7 @@ def logs(*, required: bool) -> Callable[[Command], Command]:
     return _together(
         click.argument("logs", metavar="LOG...", nargs=-1, required=required),
         click.option("--scan-topic", metavar="TOPIC", help="Laser scans to read."),
-        click.option("--image-topic", metavar="TOPIC", help="Images to show beside exemplars."),
+        click.option("--image-topic", metavar="TOPIC", help="Camera images to read."),
         click.option(
             "--bump-topic",
             "bump_topics",
@@ -75,6 +75,17 @@ def logs(*, required: bool) -> Callable[[Command], Command]:
         ),
         click.option("--strict", is_flag=True, help="Fail where part of a log is damaged."),
     )
+
+
+def sensor(command: Command) -> Command:
+    """Add which sensors are read."""
+    return click.option(
+        "--sensor",
+        type=click.Choice(["auto", "scan", "image", "both"]),
+        default="auto",
+        show_default=True,
+        help="Laser scans, camera images, or what the logs have.",
+    )(command)
 
 
 def scan_geometry(command: Command) -> Command:
@@ -205,6 +216,7 @@ def selection(words: dict[str, Any]) -> "LogSelection":
 
     return LogSelection(
         logs=words["logs"],
+        sensor=words.get("sensor", "scan"),
         scan_topic=words["scan_topic"],
         image_topic=words["image_topic"],
         bump_topics=words["bump_topics"],

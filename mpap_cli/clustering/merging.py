@@ -133,14 +133,18 @@ def _merged(parts: Rows, params: MetaPointParams, *, normalised: bool) -> tuple[
     for part, kind in enumerate(parts.kind):
         rules = nearer if kind == CLUSTER_POINT else near
         point = parts.references[part]
-        row = _kernels.nearest_meta_point(rows, index, NOISE_POINT, point, rules, lower)
+        row = _kernels.nearest(
+            index.near, index.members, NOISE_POINT, rows.totals[NOISE_POINT], index.axes,
+            rows.references, point, rules, lower,
+        )  # fmt: skip
         if row >= 0:
             _join(rows, row, parts, part)
             if rules.by_mean:
                 one = slice(row, row + 1)
                 mean = means(rows.sums[one], rows.point_count[one], normalised=normalised)
                 rows.references[one] = mean
-            _kernels.locate(rows, index, row)
+            slot = index.slot[row]
+            _kernels.locate(index.near, NOISE_POINT, slot, index.axes, rows.references, row)
         else:
             row = _kernels.create_row(rows, parts.first_ns[part])
             _place(rows, row, parts, part)

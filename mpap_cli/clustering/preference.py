@@ -5,6 +5,8 @@ import numpy as np
 from mpap_cli.observations import Float64Array
 from mpap_cli.params import parse_preference
 
+_ITEMS_OF_MEDIAN = 50
+
 
 def resolve_preference(similarities: Float64Array, rule: str) -> float:
     """Turn a rule into the preference it means for these similarities (section 3.2).
@@ -44,6 +46,29 @@ def resolve_preference(similarities: Float64Array, rule: str) -> float:
         return low + value * (high - low)
     share = {"min": 0.0, "median": 0.5, "quantile": value}[name]
     return float(np.quantile(pairs, share))
+
+
+def coarse_preference(similarities: Float64Array) -> float:
+    """Return the preference that makes few clusters out of many exemplars.
+
+    Parameters
+    ----------
+    similarities : ndarray of shape (n, n)
+        As for :func:`resolve_preference`; 0 or less.
+
+    Returns
+    -------
+    float
+        The median times n / 50, or the median itself for up to 50 items: the number of
+        clusters then hardly grows with n, as it does with the median.
+
+    Examples
+    --------
+    >>> coarse_preference(np.full((100, 100), -0.5))
+    -1.0
+    """
+    growth = max(1.0, len(similarities) / _ITEMS_OF_MEDIAN)
+    return growth * resolve_preference(similarities, "median")
 
 
 def preference_range(similarities: Float64Array, *, exact: bool = True) -> tuple[float, float]:

@@ -6,7 +6,7 @@ from pathlib import Path
 from mpap_cli.commands.evaluate_outputs import write_evaluation
 from mpap_cli.commands.evaluate_summary import summarise
 from mpap_cli.commands.learnt import learnt_settings
-from mpap_cli.commands.models import load_model, recorded_beside
+from mpap_cli.commands.models import load_collision_model, recorded_beside
 from mpap_cli.commands.observed import (
     ObservedInput,
     drop_recording,
@@ -137,7 +137,7 @@ def _given_model(settings: SettingsRequest, request: EvaluateRequest) -> Collisi
     if request.protocol is not None or request.sweep is not None:
         msg = "--model is scored as it is; leave out --protocol and --sweep"
         raise UsageError(msg)
-    return load_model(request.model)
+    return load_collision_model(request.model)
 
 
 def _files_asked(request: EvaluateRequest) -> list[InputFile]:

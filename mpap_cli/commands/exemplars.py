@@ -1,25 +1,22 @@
 """The exemplar of every cluster as it was seen: its scan, and the image of that moment."""
 
 import logging
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from mpap_cli.commands.log_images import frames_at
 from mpap_cli.commands.selection import LogSelection
-from mpap_cli.errors import LogError
 from mpap_cli.features.images.image_decode import Image, decode_frame
-from mpap_cli.logs.frames import read_frame
-from mpap_cli.logs.reader import LogReader, RawMessage, Topic, expand_paths, open_log
-from mpap_cli.logs.topics import choose_roles
-from mpap_cli.observations import NS_PER_S, ObservedLog, ScanBlock
+from mpap_cli.observations import ObservedLog, ScanBlock
 from mpap_cli.outputs.evaluate_text import count
 from mpap_cli.outputs.recording import blocks_around, read_recording
 from mpap_cli.outputs.scan_pictures import ExemplarPicture, write_exemplars
 from mpap_cli.systems.cluster_rows import ClusterRow
 
 LOGGER = logging.getLogger(__name__)
-SAME_MOMENT_NS = NS_PER_S // 5
 
 
 def draw_exemplars(
@@ -86,38 +83,13 @@ def _picture(
 def _images(selection: LogSelection, stamps_ns: set[int]) -> dict[int, Image]:
     """Return the image nearest to each stamp, within a fifth of a second."""
     images: dict[int, Image] = {}
-    for path in {path.resolve(): path for path in expand_paths(selection.logs)}.values():
-        try:
-            reader = open_log(path, msgs=selection.msgs)
-        except LogError:
-            continue  # told when its scans were read
-        with reader:
-            topic = choose_roles(reader, selection.topic_choice).image
-            if topic is None:
-                continue
-            near = {stamp_ns: _message_at(reader, topic, stamp_ns) for stamp_ns in stamps_ns}
-            seen = {at_ns: _decode(reader, message) for at_ns, message in near.items() if message}
-        images |= {stamp_ns: image for stamp_ns, image in seen.items() if image is not None}
-        n_bad = sum(image is None for image in seen.values())
-        if n_bad:
-            LOGGER.warning("%s: %s could not be decoded", path.name, count(n_bad, "image"))
+    undecoded: Counter[str] = Counter()
+    for log, stamp_ns, frame in frames_at(selection, stamps_ns):
+        image = decode_frame(frame)
+        if image is None:
+            undecoded[log] += 1
+        else:
+            images[stamp_ns] = image
+    for log, n_bad in undecoded.items():
+        LOGGER.warning("%s: %s could not be decoded", log, count(n_bad, "image"))
     return images
-
-
-def _message_at(reader: LogReader, topic: Topic, stamp_ns: int) -> RawMessage | None:
-    """Return the image message nearest to a stamp, if one is near."""
-    window = (stamp_ns - SAME_MOMENT_NS, stamp_ns + SAME_MOMENT_NS)
-    messages = [
-        message
-        for message in reader.messages([topic.name], *window)
-        if message.topic.msgtype == topic.msgtype
-    ]
-    return min(messages, key=lambda message: abs(message.stamp_ns - stamp_ns), default=None)
-
-
-def _decode(reader: LogReader, message: RawMessage) -> Image | None:
-    """Return the image of a message, None if it is broken."""
-    try:
-        return decode_frame(read_frame(reader, message))
-    except LogError:
-        return None

@@ -11,6 +11,7 @@ from mpap_cli.features.scans.scan_features import ScanEmbedder
 from mpap_cli.observations import Float64Array, ObservedLog, Press
 from mpap_cli.outputs.evaluate_text import count
 from mpap_cli.params import ScanParams
+from mpap_cli.systems.appearance import AppearanceModel
 from mpap_cli.systems.collision import CollisionModel
 
 LOGGER = logging.getLogger(__name__)
@@ -70,6 +71,18 @@ def tell_of_model(model: CollisionModel) -> None:
             "only %s: theta %g may be too large, or the log short",
             count(check.n_cluster_points, "cluster-point"),
             model.settings.meta_point.theta,
+        )
+
+
+def tell_of_appearance(model: AppearanceModel) -> None:
+    """Say which clusters of patches were met both as obstacles and as free floor (4.2.4)."""
+    for found in model.discrepancies():
+        LOGGER.info(
+            "cluster %d of patches is no clear case: p(obstacle) %.2f, from %s and %s",
+            found.cluster,
+            found.p_collision,
+            count(found.presses, "press"),
+            count(found.collisions + found.non_collisions, "label"),
         )
 
 

@@ -15,8 +15,9 @@ from mpap_cli.commands.log_facts import (
     scan_facts,
     topic_facts,
 )
-from mpap_cli.commands.models import load_model
+from mpap_cli.commands.models import Models, load_models
 from mpap_cli.commands.press_file import presses_by_hand
+from mpap_cli.commands.press_tracking import LogPresses
 from mpap_cli.commands.selection import LogSelection
 from mpap_cli.commands.sources import DAMAGED, Source, open_readable, survey_source
 from mpap_cli.errors import LogError
@@ -24,8 +25,6 @@ from mpap_cli.features.images.image_decode import decode_frame
 from mpap_cli.logs.reader import expand_paths
 from mpap_cli.observations import NS_PER_S, BoolArray, IntArray, Press
 from mpap_cli.params import BumperParams, make_settings
-from mpap_cli.properties.presses import PressTracker
-from mpap_cli.systems.collision import CollisionModel
 
 LOGGER = logging.getLogger(__name__)
 
@@ -45,7 +44,7 @@ class ModelInfo:
     """What a model knows, and from which logs."""
 
     path: Path
-    model: CollisionModel
+    models: Models
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,11 +88,11 @@ def info(selection: LogSelection) -> Infos:
     n_read = 0
     for path in paths:
         if _is_model(path):
-            infos.found.append(ModelInfo(path, load_model(path)))
+            infos.found.append(ModelInfo(path, load_models(path)))
             continue
         try:
             with open_readable(path, selection) as reader:
-                source = survey_source(reader, n_read, selection, settings, by_hand)
+                source = survey_source(reader, n_read, selection, settings, by_hand, required=False)
                 infos.found.append(_log_info(source))
                 n_read += 1
         except LogError as error:
@@ -156,18 +155,12 @@ def _log_info(source: Source) -> LogInfo:
 
 def _replay(source: Source) -> tuple[tuple[Press, ...] | None, IntArray]:
     """Return the presses (None without a bumper) and the stamps of all scans."""
-    tracker = None
-    if source.start.bump_kind is not None:
-        tracker = PressTracker(source.start.bump_kind, BumperParams(), source.start.hold_s)
+    presses = LogPresses(source, BumperParams())
     stamps = [np.empty(0, dtype=np.int64)]
-    for batch in source.batches(jobs=1):
+    for batch in source.batches():
         stamps.extend(block.stamps_ns for block in batch.scans)
-        if tracker is not None:
-            tracker.add(batch.bumps)
-    if tracker is None:
-        return source.start.presses, np.concatenate(stamps)
-    tracker.end(source.replay.end_ns)
-    return tracker.presses, np.concatenate(stamps)
+        presses.add(batch)
+    return presses.end(), np.concatenate(stamps)
 
 
 def _pressed(stamps_ns: IntArray, presses: tuple[Press, ...] | None) -> BoolArray:

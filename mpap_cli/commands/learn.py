@@ -1,36 +1,34 @@
 """``learn``: from logs to clusters with collision probabilities, one history in order."""
 
 import logging
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
 from mpap_cli.commands.exemplars import draw_exemplars
-from mpap_cli.commands.hints import tell_of_heading, tell_of_model, tell_of_presses
-from mpap_cli.commands.models import load_model, save_model
+from mpap_cli.commands.hints import tell_of_appearance, tell_of_heading, tell_of_model
+from mpap_cli.commands.learning import learn_log
+from mpap_cli.commands.models import Models, load_models, save_models
+from mpap_cli.commands.patch_images import draw_patches
 from mpap_cli.commands.press_file import press_inputs
 from mpap_cli.commands.progress import Progress, no_progress
 from mpap_cli.commands.recorder import Recorder
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
 from mpap_cli.commands.selection import LogSelection
 from mpap_cli.commands.settings import SettingsRequest, settings_from
-from mpap_cli.commands.sources import Losses, Source, open_sources
+from mpap_cli.commands.sources import Losses, open_sources
 from mpap_cli.errors import UsageError
 from mpap_cli.features.scans.scan_features import FEW_BEAMS
+from mpap_cli.observations import NS_PER_S
 from mpap_cli.outputs.model_file import find_model
 from mpap_cli.outputs.recording import read_recording
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.results_reader import InputFile, describe_input
 from mpap_cli.outputs.tables import write_csv
 from mpap_cli.systems.cluster_rows import ClusterRow
-from mpap_cli.systems.collision import CollisionModel
 
 LOGGER = logging.getLogger(__name__)
-CLUSTERS, MODEL, RECORDING, EXEMPLARS = (
-    "clusters.csv",
-    "model.npz",
-    "recording.npz",
-    "exemplars.png",
-)
+CLUSTERS, MODEL, RECORDING = "clusters.csv", "model.npz", "recording.npz"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,18 +46,43 @@ class LearnRequest:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LearntScans:
+    """What is known of laser scans."""
+
+    clusters: list[ClusterRow]
+    n_scans: int
+    n_cluster_points: int
+    n_meta_points: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LearntImages:
+    """What is known of camera images."""
+
+    clusters: list[ClusterRow]
+    n_images: int
+    n_patches: int
+    n_exemplars: int
+    n_outliers: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Learnt:
-    """What a model knows, and where it lies; ``n_presses`` is None without a bumper."""
+    """What models know, and where they lie; ``n_presses`` is None without a bumper."""
 
     folder: Path
     profile: str
-    clusters: list[ClusterRow]
     n_logs: int
-    n_scans: int
     n_presses: int | None
-    n_cluster_points: int
-    n_meta_points: int
+    scans: LearntScans | None
+    images: LearntImages | None
     exit_code: int = 0
+
+    @property
+    def clusters(self) -> list[ClusterRow]:
+        """The rows of clusters.csv."""
+        parts = [part.clusters for part in (self.scans, self.images) if part is not None]
+        return [row for part in parts for row in part]
 
 
 def learn(
@@ -68,12 +91,12 @@ def learn(
     request: LearnRequest,
     progress: Progress = no_progress,
 ) -> Learnt:
-    """Learn the collision model from logs (section 4.1 of the paper).
+    """Learn the collision model and the appearance model from logs (section 4 of the paper).
 
     Parameters
     ----------
     selection : LogSelection
-        Logs, one history in the order given, and their topics.
+        Logs, one history in the order given, their sensors and topics.
     settings : SettingsRequest
         Profile and settings; with an older model they are the model's.
     request : LearnRequest
@@ -91,100 +114,135 @@ def learn(
     LogError
         If no log can be read.
     UsageError
-        If a log has no scan topic, or settings are given beside an older model.
+        If a log lacks a sensor that was asked for, or settings are given beside an older
+        model.
     OutputError
         If the results folder cannot be written.
     """
     keep_kernels_writable()
-    model = _model(selection, settings, request.model)
+    models, selection = _models(selection, settings, request.model)
     losses, inputs = Losses(), list[InputFile]()
     with one_thread_each(), ResultsFolder(request.out, "learn") as results:
-        recording = results.path(RECORDING)
-        with Recorder(recording) as recorder:
-            for source in open_sources(selection, model.settings, losses):
-                _learn_log(model, recorder, source, request.jobs, progress)
+        began_s, log_s = time.perf_counter(), 0.0
+        with Recorder(results.path(RECORDING)) as recorder:
+            for source in open_sources(selection, models.settings, losses):
+                learn_log(models, recorder, source, request.jobs, progress)
                 inputs.append(describe_input(source.path))
-            recorder.require_scans()
+                log_s += (source.replay.end_ns - source.replay.start_ns) / NS_PER_S
+            _require_observations(models, recorder)
         inputs += press_inputs(selection)
         if request.model is not None:
             inputs.append(describe_input(find_model(request.model)))
-        _require_observations(model)
-        model.finish()
-        observed = read_recording(recording)
-        tell_of_heading(
-            [observed[index] for index in recorder.headings_assumed], model.settings.scan
-        )
-        tell_of_model(model)
-        clusters = model.clusters()
-        write_csv(results.path(CLUSTERS), ClusterRow, clusters)
-        save_model(results.path(MODEL), model)
-        draw_exemplars(results.path(EXEMPLARS), clusters, recording, selection)
-        if not request.keep_recording:
-            recording.unlink()
-        values = selection.values(model.settings)
-        results.commit(values, inputs, model.settings.affinity.seed)
-    return learnt_of(model, clusters, results.folder, losses.exit_code)
+        learnt = learnt_of(models, results.folder, losses.exit_code)
+        write_csv(results.path(CLUSTERS), ClusterRow, learnt.clusters)
+        save_models(results.path(MODEL), models)
+        _draw(results, selection, models, learnt, recorder)
+        if not (request.keep_recording and recorder.n_scans):
+            results.path(RECORDING).unlink()
+        _tell_speed(log_s, time.perf_counter() - began_s)
+        values = selection.values(models.settings)
+        results.commit(values, inputs, models.settings.affinity.seed)
+    return learnt
 
 
-def _require_observations(model: CollisionModel) -> None:
+def _models(
+    selection: LogSelection, settings: SettingsRequest, older: Path | None
+) -> tuple[Models, LogSelection]:
+    """Return new models, or the older ones that are to go on with their sensors."""
+    if older is None:
+        # the models keep the forward direction, for later logs of the same robot
+        return Models(selection.settings_for(settings_from(settings))), selection
+    if not settings.says_nothing:
+        msg = "--model goes on with the model's own settings; leave out --profile, --set and such"
+        raise UsageError(msg)
+    models = load_models(older)
+    return models, selection.with_sensor_of(models.sensor)
+
+
+def _require_observations(models: Models, recorder: Recorder) -> None:
     """Refuse to publish a model that knows nothing.
 
     Raises
     ------
     UsageError
-        If no scan gave a feature.
+        If no observation was read, or none gave a feature.
     """
-    if model.meta_points.n_points == 0:
-        scan = model.settings.scan
+    images, scans = models.appearance, models.collision
+    if images is not None and images.n_images:
+        return
+    if scans is None:
+        msg = "no image could be used; check --start, --end and --image-topic"
+        raise UsageError(msg)
+    recorder.require_scans()
+    if scans.meta_points.n_points == 0:
+        scan = scans.settings.scan
         msg = f"no scan could be used: {FEW_BEAMS} ({scan.bins} bins, --fov {scan.fov}); use fewer"
         raise UsageError(msg)
 
 
-def learnt_of(
-    model: CollisionModel, clusters: list[ClusterRow], folder: Path, exit_code: int
-) -> Learnt:
-    """Sum up what a model knows."""
-    check = model.self_check()
-    pressed = [log.n_presses for log in model.logs if log.n_presses is not None]
+def _draw(
+    results: ResultsFolder,
+    selection: LogSelection,
+    models: Models,
+    learnt: Learnt,
+    recorder: Recorder,
+) -> None:
+    """Draw the exemplars of both models, and say what is odd about the models."""
+    if learnt.scans is not None and models.collision is not None:
+        recording = results.path(RECORDING)
+        observed = read_recording(recording)
+        assumed = [observed[index] for index in recorder.headings_assumed]
+        tell_of_heading(assumed, models.settings.scan)
+        tell_of_model(models.collision)
+        draw_exemplars(results.path("exemplars.png"), learnt.scans.clusters, recording, selection)
+    if models.appearance is not None:
+        tell_of_appearance(models.appearance)
+        suffix = "" if learnt.scans is None else "-patches"
+        names = (f"exemplars{suffix}.png", "members.png")
+        draw_patches([results.path(name) for name in names], models.appearance, selection)
+
+
+def _tell_speed(log_s: float, took_s: float) -> None:
+    LOGGER.info("learnt %.0f s of log in %.1f s: %.0f x real time", log_s, took_s, log_s / took_s)
+
+
+def learnt_of(models: Models, folder: Path, exit_code: int) -> Learnt:
+    """Sum up what models know."""
+    for model in (models.collision, models.appearance):
+        if model is not None:
+            model.finish()
+    pressed = [log.n_presses for log in models.logs if log.n_presses is not None]
     return Learnt(
         folder=folder,
-        profile=model.settings.profile,
-        clusters=clusters,
-        n_logs=len(model.logs),
-        n_scans=sum(log.n_scans for log in model.logs),
+        profile=models.settings.profile,
+        n_logs=len(models.logs),
         n_presses=sum(pressed) if pressed else None,
-        n_cluster_points=check.n_cluster_points,
-        n_meta_points=model.meta_points.n_points,
+        scans=_learnt_scans(models),
+        images=_learnt_images(models),
         exit_code=exit_code,
     )
 
 
-def _model(
-    selection: LogSelection, settings: SettingsRequest, older: Path | None
-) -> CollisionModel:
-    """Return a new model, or the older one that is to go on."""
-    if older is None:
-        # the model keeps the forward direction, for later logs of the same robot
-        return CollisionModel(selection.settings_for(settings_from(settings)))
-    if not settings.says_nothing:
-        msg = "--model goes on with the model's own settings; leave out --profile, --set and such"
-        raise UsageError(msg)
-    return load_model(older)
+def _learnt_scans(models: Models) -> LearntScans | None:
+    model = models.collision
+    if model is None:
+        return None
+    return LearntScans(
+        clusters=model.clusters(),
+        n_scans=sum(log.n_observations for log in model.logs),
+        n_cluster_points=model.self_check().n_cluster_points,
+        n_meta_points=model.meta_points.n_points,
+    )
 
 
-def _learn_log(
-    model: CollisionModel, recorder: Recorder, source: Source, jobs: int, progress: Progress
-) -> None:
-    """Replay one log through the model and into the recording."""
-    model.begin_log(source.start)
-    n_scans = n_learnt = 0
-    for batch in recorder.batches(source, jobs, progress, "learn"):
-        learnt = model.observe(batch)
-        n_scans += sum(len(block.stamps_ns) for block in batch.scans)
-        n_learnt += sum(len(block.ids) for block in learnt)
-    source.skipped[FEW_BEAMS] += n_scans - n_learnt
-    if (source.name, source.start.start_ns) in {(log.name, log.start_ns) for log in model.logs}:
-        LOGGER.warning("%s: learnt before; its scans and presses count twice", source.name)
-    presses = model.end_log(source.replay.end_ns)
-    recorder.end_log(source, presses)
-    tell_of_presses(source, presses, recorder.scan_span)
+def _learnt_images(models: Models) -> LearntImages | None:
+    model = models.appearance
+    if model is None:
+        return None
+    return LearntImages(
+        clusters=model.rows(),
+        n_images=model.n_images,
+        n_patches=model.n_images * model.n_patches,
+        n_exemplars=model.two_scale.n_clusters,
+        n_outliers=model.two_scale.n_reservoir,
+    )

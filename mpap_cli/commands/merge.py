@@ -1,20 +1,24 @@
 """``merge``: one model of several that were learnt with the same settings."""
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 
 from mpap_cli.commands.hints import tell_of_model
 from mpap_cli.commands.learn import CLUSTERS, MODEL, Learnt, learnt_of
-from mpap_cli.commands.models import load_model, save_model
+from mpap_cli.commands.models import Models, load_models, save_models
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
-from mpap_cli.errors import UsageError
+from mpap_cli.errors import ModelError, UsageError
 from mpap_cli.outputs.model_file import find_model
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.results_reader import InputFile, describe_input
 from mpap_cli.outputs.tables import write_csv
 from mpap_cli.params import settings_values
 from mpap_cli.systems.cluster_rows import ClusterRow
+from mpap_cli.systems.collision import CollisionModel
 from mpap_cli.systems.merging import merge_models
+
+LOGGER = logging.getLogger(__name__)
 
 
 def merge(models: Sequence[Path], out: Path) -> Learnt:
@@ -44,14 +48,25 @@ def merge(models: Sequence[Path], out: Path) -> Learnt:
     keep_kernels_writable()
     with one_thread_each(), ResultsFolder(out, "merge") as results:
         inputs = _inputs(models)
-        merged = merge_models([load_model(path) for path in models])
+        merged = merge_models([_laser_part(path) for path in models])
         tell_of_model(merged)
-        clusters = merged.clusters()
-        write_csv(results.path(CLUSTERS), ClusterRow, clusters)
-        save_model(results.path(MODEL), merged)
+        learnt = learnt_of(Models(merged.settings, merged), results.folder, exit_code=0)
+        write_csv(results.path(CLUSTERS), ClusterRow, learnt.clusters)
+        save_models(results.path(MODEL), Models(merged.settings, merged))
         settings = {**settings_values(merged.settings), "profile": merged.settings.profile}
         results.commit(settings, inputs, merged.settings.affinity.seed)
-    return learnt_of(merged, clusters, results.folder, exit_code=0)
+    return learnt
+
+
+def _laser_part(path: Path) -> CollisionModel:
+    """Return the collision model of a file; what was learnt of images is not merged."""
+    models = load_models(path)
+    if models.collision is None:
+        msg = f"{find_model(path)}: learnt from images only; merge joins laser models"
+        raise ModelError(msg)
+    if models.appearance is not None:
+        LOGGER.warning("%s: what was learnt of images is left out", path)
+    return models.collision
 
 
 def _inputs(models: Sequence[Path]) -> list[InputFile]:

@@ -5,8 +5,10 @@ from pathlib import Path
 from typing import Any
 
 from mpap_cli.commands.press_file import press_inputs
+from mpap_cli.commands.press_tracking import LogPresses
 from mpap_cli.commands.progress import Progress
 from mpap_cli.commands.recorder import Recorder
+from mpap_cli.commands.replaying import follow
 from mpap_cli.commands.selection import LogSelection
 from mpap_cli.commands.sources import Losses, Source, open_sources
 from mpap_cli.errors import UsageError
@@ -15,7 +17,6 @@ from mpap_cli.outputs.recording import read_recording
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.results_reader import InputFile, describe_input, has_results, read_results
 from mpap_cli.params import Settings, make_settings, setting_fields
-from mpap_cli.properties.presses import PressTracker
 
 RECORDING = "recording.npz"
 
@@ -125,14 +126,9 @@ def _presses(
     source: Source, settings: Settings, recorder: Recorder, jobs: int, progress: Progress
 ) -> tuple[Press, ...] | None:
     """Replay a log for its scans and presses."""
-    tracker = None
-    if source.start.bump_kind is not None:
-        tracker = PressTracker(source.start.bump_kind, settings.bumper, source.start.hold_s)
-    for batch in recorder.batches(source, jobs, progress, "read"):
-        if tracker is not None:
-            tracker.add(batch.bumps)
-            tracker.settle(batch.until_ns)
-    if tracker is None:
-        return source.start.presses
-    tracker.end(source.replay.end_ns)
-    return tracker.presses
+    presses = LogPresses(source, settings.bumper)
+    recorder.begin_log()
+    for batch, _ in follow(source, jobs, progress, "read"):
+        recorder.record(batch)
+        presses.add(batch)
+    return presses.end()

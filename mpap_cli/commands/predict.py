@@ -1,67 +1,52 @@
-"""``predict``: what a model says of every scan of new logs."""
+"""``predict``: what models say of every scan and every image of new logs."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mpap_cli.commands.evaluate_outputs import timelines_of
-from mpap_cli.commands.models import load_model
-from mpap_cli.commands.observed import drop_recording, observe_logs
+from mpap_cli.commands.common_sensors import common_sensors
+from mpap_cli.commands.models import Models, load_models
+from mpap_cli.commands.predict_images import PredictedImages, predict_images
+from mpap_cli.commands.predict_request import PredictRequest
+from mpap_cli.commands.predict_scans import PredictedScans, predict_scans
+from mpap_cli.commands.prediction_log import write_scan_logs
 from mpap_cli.commands.progress import Progress, no_progress
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
 from mpap_cli.commands.selection import LogSelection
-from mpap_cli.evaluation.leads import LeadSummary
-from mpap_cli.evaluation.rows import PressRow, TimelineRow
-from mpap_cli.evaluation.scoring import Variant, evaluate_all
-from mpap_cli.evaluation.sheets import Question
 from mpap_cli.outputs.model_file import find_model
-from mpap_cli.outputs.plots import plot_timeline
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.results_reader import describe_input
-from mpap_cli.outputs.tables import write_csv
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PredictRequest:
-    """Which model predicts, from which probability a collision is announced, and where to."""
-
-    out: Path
-    model: Path
-    threshold: float = 0.2
-    jobs: int = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Predicted:
-    """How much was predicted, and where it lies."""
+    """How much was predicted, and where it lies; what the model lacks is None."""
 
     folder: Path
     n_logs: int
-    n_scans: int
-    n_predicted: int
-    n_novel: int
     threshold: float
-    leads: LeadSummary
+    scans: PredictedScans | None
+    images: PredictedImages | None
     exit_code: int = 0
 
 
 def predict(
     selection: LogSelection, request: PredictRequest, progress: Progress = no_progress
 ) -> Predicted:
-    """Predict the probability of a collision for every scan.
+    """Predict the probability of a collision for every scan, and of obstacles in every image.
 
     Parameters
     ----------
     selection : LogSelection
         Logs; presses in them are compared with what was predicted.
     request : PredictRequest
-        Model and threshold.
+        Model, thresholds, results folder.
     progress : Progress, optional
         Told how far each log is.
 
     Returns
     -------
     Predicted
-        Counts; timeline.csv, presses.csv and timeline.png hold the rest.
+        Counts; the files in the results folder hold the rest.
 
     Raises
     ------
@@ -69,30 +54,48 @@ def predict(
         If the model cannot be used.
     LogError
         If no log can be read.
+    UsageError
+        If a log has no sensor that the model knows.
     OutputError
         If the results folder cannot be written.
     """
     keep_kernels_writable()
-    model = load_model(request.model)
+    models = load_models(request.model)
+    wanted = _sensors(models, selection)
+    scans: PredictedScans | None = None
+    images: PredictedImages | None = None
     with one_thread_each(), ResultsFolder(request.out, "predict") as results:
-        observed = observe_logs(selection, model.settings, results, request.jobs, progress)
-        question = Question(logs=observed.logs, threshold=request.threshold, model=model)
-        evaluation = evaluate_all(question, [Variant("mpap", model.settings)], baselines=False)
-        timeline = evaluation.timeline
-        write_csv(results.path("timeline.csv"), TimelineRow, timeline.rows())
-        write_csv(results.path("presses.csv"), PressRow, timeline.press_rows())
-        plot_timeline(results.path("timeline.png"), timelines_of(timeline), request.threshold)
-        drop_recording(results)
-        values = {**selection.values(model.settings), "threshold": request.threshold}
-        inputs = [*observed.inputs, describe_input(find_model(request.model))]
-        results.commit(values, inputs, model.settings.affinity.seed)
+        if models.collision is not None and "scan" in wanted:
+            of_scans = replace(selection, sensor="scan")
+            scans = predict_scans(
+                models.collision, of_scans, results, request.threshold, request.jobs, progress
+            )
+        if models.appearance is not None and "image" in wanted:
+            images = predict_images(models.appearance, selection, results, request, progress, scans)
+        elif request.to_mcap and scans is not None:
+            write_scan_logs(results, scans.timeline)
+        values = {
+            **selection.values(models.settings),
+            "threshold": request.threshold,
+            "patch-threshold": request.patch_threshold,
+        }
+        parts = [part for part in (scans, images) if part is not None]
+        inputs = [*parts[0].inputs, describe_input(find_model(request.model))]
+        results.commit(values, inputs, models.settings.affinity.seed)
     return Predicted(
         folder=results.folder,
-        n_logs=len(observed.logs),
-        n_scans=timeline.sheet.rows.n_scans,
-        n_predicted=int((timeline.prediction.p_collision >= request.threshold).sum()),
-        n_novel=int(timeline.prediction.novel.sum()),
+        n_logs=len(parts[0].inputs),
         threshold=request.threshold,
-        leads=timeline.summary,
-        exit_code=observed.exit_code,
+        scans=scans,
+        images=images,
+        exit_code=max(part.exit_code for part in parts),
     )
+
+
+def _sensors(models: Models, selection: LogSelection) -> frozenset[str]:
+    """Return the sensors to predict from; if the logs lack one, reading them says so."""
+    known = {"scan": models.collision, "image": models.appearance}
+    able = frozenset(sensor for sensor, model in known.items() if model is not None)
+    if selection.sensor in {"scan", "image"}:
+        return frozenset({selection.sensor})
+    return (able & common_sensors(selection)) or able

@@ -6,9 +6,9 @@ from typing import Protocol
 
 
 class Report(Protocol):
-    """Told the seconds of log time that are done, and the scans so far."""
+    """Told the seconds of log time that are done, and the observations so far."""
 
-    def __call__(self, done_s: float, n_scans: int) -> None:
+    def __call__(self, done_s: float, n_observations: int) -> None:
         """Take both figures; called once a block."""
         ...
 
@@ -27,5 +27,5 @@ def no_progress(title: str, total_s: float | None) -> Iterator[Report]:  # noqa:
     yield _ignore
 
 
-def _ignore(done_s: float, n_scans: int) -> None:
+def _ignore(done_s: float, n_observations: int) -> None:
     """Take both figures, tell nobody."""

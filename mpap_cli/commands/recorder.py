@@ -1,20 +1,18 @@
-"""Logs on their way through a command: replayed, written into a recording, reported."""
+"""What is read of logs goes into a recording, for those who score it later."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from mpap_cli.commands.progress import Progress
 from mpap_cli.commands.sources import Source
 from mpap_cli.errors import UsageError
-from mpap_cli.observations import NS_PER_S, Batch, Press
+from mpap_cli.observations import Batch, Press
 from mpap_cli.outputs.recorded_log import RecordedLog
 from mpap_cli.outputs.recording import RecordingWriter
 
 
 class Recorder:
-    """Context manager that writes every batch it hands on into a recording.
+    """Context manager that writes the scans and presses of logs into a recording.
 
     Attributes
     ----------
@@ -44,20 +42,17 @@ class Recorder:
     ) -> None:
         self._writer.__exit__(kind, error, trace)
 
-    def batches(self, source: Source, jobs: int, progress: Progress, verb: str) -> Iterator[Batch]:
-        """Replay a log, keep its scans, and tell how far it is."""
-        start_ns, before = source.replay.start_ns, self.n_scans
+    def begin_log(self) -> None:
+        """Start with the next log."""
         self.scan_span = None
-        duration_s = (source.replay.end_ns - start_ns) / NS_PER_S
-        with progress(f"{verb} {source.name}", duration_s) as report:
-            for batch in source.batches(jobs):
-                for block in batch.scans:
-                    self._writer.add_block(block)
-                    self.n_scans += len(block.stamps_ns)
-                    first_ns = self.scan_span[0] if self.scan_span else int(block.stamps_ns[0])
-                    self.scan_span = first_ns, int(block.stamps_ns[-1])
-                yield batch
-                report((batch.until_ns - start_ns) / NS_PER_S, self.n_scans - before)
+
+    def record(self, batch: Batch) -> None:
+        """Keep the scans of a batch."""
+        for block in batch.scans:
+            self._writer.add_block(block)
+            self.n_scans += len(block.stamps_ns)
+            first_ns = self.scan_span[0] if self.scan_span else int(block.stamps_ns[0])
+            self.scan_span = first_ns, int(block.stamps_ns[-1])
 
     def require_scans(self) -> None:
         """Refuse to go on where no scan was read at all.

@@ -30,10 +30,13 @@ class LogSelection:
 
     ``logs`` are paths or globs; ``start`` and ``end`` are texts as after ``--start``;
     ``bump_from`` is topic, scan, none or the path of a CSV with presses; ``forward``
-    degrees or tf, None where the settings say it.
+    degrees or tf, None where the settings say it; ``sensor`` one of ``sensors.SENSORS``;
+    with ``once`` a log that is named twice is read once.
     """
 
     logs: tuple[str, ...] = ()
+    sensor: str = "scan"
+    once: bool = True
     scan_topic: str | None = None
     image_topic: str | None = None
     bump_topics: tuple[str, ...] = ()
@@ -67,10 +70,15 @@ class LogSelection:
             scan=self.scan_topic, image=self.image_topic, bumps=self.bump_topics, bump_from=kind
         )
 
-    @property
-    def replay_options(self) -> ReplayOptions:
-        """The part of the selection that says what is replayed."""
-        return ReplayOptions(start=self.start, end=self.end, time_source=self.time_source)
+    def replay_options(self, sensors: frozenset[str]) -> ReplayOptions:
+        """Return the part of the selection that says what is replayed of these sensors."""
+        return ReplayOptions(
+            start=self.start, end=self.end, time_source=self.time_source, sensors=sensors
+        )
+
+    def with_sensor_of(self, sensor: str) -> "LogSelection":
+        """Return the selection with the sensor of a model, unless one was asked for."""
+        return replace(self, sensor=sensor) if self.sensor == "auto" else self
 
     def settings_for(self, settings: Settings) -> Settings:
         """Return the settings with the forward direction of these logs.
@@ -89,6 +97,7 @@ class LogSelection:
         return {
             **settings_values(self.settings_for(settings)),
             "profile": settings.profile,
+            "sensor": self.sensor,
             "scan-topic": self.scan_topic,
             "image-topic": self.image_topic,
             "bump-topic": list(self.bump_topics),

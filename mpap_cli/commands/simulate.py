@@ -1,11 +1,12 @@
 """``simulate``: the log of a simulated robot."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from mpap_cli.simulation.scenario import SimulatedLog
 from mpap_cli.simulation.scenario import simulate as write_log
-from mpap_cli.simulation.settings import SimulationParams
+from mpap_cli.simulation.settings import CameraParams, SimulationParams
 
 BY_ENDING = {".bag": "bag", ".mcap": "mcap"}
 
@@ -19,13 +20,15 @@ def container_for(path: Path) -> str:
     return BY_ENDING.get(path.suffix, "rosbag2-sqlite3")
 
 
-def simulate(path: Path, **params: Any) -> SimulatedLog:
+def simulate(path: Path, camera: Mapping[str, Any] | None = None, **params: Any) -> SimulatedLog:
     """Write a log and the truth beside it.
 
     Parameters
     ----------
     path : Path
         Log to write; must not exist.
+    camera : mapping, optional
+        Fields of ``CameraParams``; without it the robot has no camera.
     **params
         Fields of ``SimulationParams``.
 
@@ -41,4 +44,5 @@ def simulate(path: Path, **params: Any) -> SimulatedLog:
     OutputError
         If the log exists or cannot be written.
     """
-    return write_log(path, SimulationParams(**params))
+    lens = None if camera is None else CameraParams(**camera)
+    return write_log(path, SimulationParams(camera=lens, **params))

@@ -8,18 +8,18 @@ from pathlib import Path
 
 from mpap_cli.commands.press_file import presses_by_hand
 from mpap_cli.commands.selection import LogSelection
+from mpap_cli.commands.sensors import SCAN, sensors_of
 from mpap_cli.errors import LogError
 from mpap_cli.logs.reader import Damage, LogReader, expand_paths, open_log
 from mpap_cli.logs.replay import Replay
 from mpap_cli.logs.survey import Survey, survey_log
-from mpap_cli.logs.topics import Roles, choose_roles, require_scan
+from mpap_cli.logs.topics import Roles, choose_roles
 from mpap_cli.observations import Batch
 from mpap_cli.outputs.evaluate_text import count
 from mpap_cli.params import Settings
 from mpap_cli.properties.press_files import PressRow, presses_of_log
 from mpap_cli.properties.presses import with_virtual_bumps
 from mpap_cli.systems.labelling import LogStart
-from mpap_cli.systems.stream import prefetch
 
 LOGGER = logging.getLogger(__name__)
 DAMAGED = 3
@@ -31,11 +31,12 @@ class Losses:
 
     left_out: list[str] = field(default_factory=list)
     damage: list[Damage] = field(default_factory=list)
+    lost_images: int = 0
 
     @property
     def exit_code(self) -> int:
         """0, or 3 if part of the input was left out."""
-        return DAMAGED if self.left_out or self.damage else 0
+        return DAMAGED if self.left_out or self.damage or self.lost_images else 0
 
     def note(self, source: "Source") -> None:
         """Keep and tell what was found damaged or skipped in a log that has been read."""
@@ -44,15 +45,21 @@ class Losses:
         self.damage.extend(source.reader.damage)
         skipped = source.replay.skipped + source.skipped
         for reason, n_skipped in skipped.items():
-            LOGGER.warning("%s: %s skipped: %s", source.name, count(n_skipped, "scan"), reason)
+            what = next((word for word in ("image", "pose") if f" {word} " in reason), "scan")
+            self.lost_images += n_skipped if what == "image" else 0
+            LOGGER.warning("%s: %s skipped: %s", source.name, count(n_skipped, what), reason)
+        for reason, n_lost in source.lost_images.items():
+            LOGGER.warning("%s: %s left out: %s", source.name, count(n_lost, "image"), reason)
+        self.lost_images += source.lost_images.total()
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
     """One opened log with its topics chosen and its geometry known.
 
-    ``bump_distance_m`` is set where presses come from near scans; ``skipped`` counts
-    scans that were read but gave no feature, by reason.
+    ``sensors`` are replayed; ``bump_distance_m`` is set where presses come from near scans;
+    ``skipped`` counts scans that were read but gave no feature, by reason, and
+    ``lost_images`` images that were left out.
     """
 
     name: str
@@ -63,12 +70,14 @@ class Source:
     survey: Survey
     replay: Replay
     start: LogStart
+    sensors: frozenset[str]
     bump_distance_m: float | None
     skipped: Counter[str] = field(default_factory=Counter)
+    lost_images: Counter[str] = field(default_factory=Counter)
 
-    def batches(self, jobs: int) -> Iterator[Batch]:
+    def batches(self) -> Iterator[Batch]:
         """Replay the log; with --bump-from scan the bumps come from near scans."""
-        for batch in prefetch(self.replay, jobs):
+        for batch in self.replay:
             if self.bump_distance_m is None:
                 yield batch
             else:
@@ -99,7 +108,7 @@ def open_sources(selection: LogSelection, settings: Settings, losses: Losses) ->
     UsageError
         If a log has no scan topic, or several.
     """
-    paths = _each_once(selection)
+    paths = _each_once(selection) if selection.once else _as_named(selection)
     settings = selection.settings_for(settings)
     by_hand = presses_by_hand(selection, paths)
     index, latest_start_ns = 0, None
@@ -114,7 +123,6 @@ def open_sources(selection: LogSelection, settings: Settings, losses: Losses) ->
             continue
         with reader:
             source = survey_source(reader, index, selection, settings, by_hand)
-            require_scan(source.roles, source.name)
             _tell_of(source)
             if latest_start_ns is not None and reader.start_ns < latest_start_ns:
                 LOGGER.warning("%s: starts before the log given before it", path.name)
@@ -151,6 +159,8 @@ def survey_source(
     selection: LogSelection,
     settings: Settings,
     by_hand: dict[str, tuple[PressRow, ...]] | None,
+    *,
+    required: bool = True,
 ) -> Source:
     """Choose the topics of an open log, survey it, and find where presses come from.
 
@@ -166,21 +176,25 @@ def survey_source(
         Forward direction and bumper settings.
     by_hand : dict or None
         As from :func:`presses_by_hand`.
+    required : bool
+        Whether the log must have the sensors of the selection; else scans are replayed
+        if there are any.
 
     Returns
     -------
     Source
-        Without scans too; who needs some asks for them.
 
     Raises
     ------
     UsageError
-        If a topic asked for cannot play its role, or a press begins after the log.
+        If a topic asked for cannot play its role, a required sensor is missing, or a press
+        begins after the log.
     """
     name = reader.path.name
     roles = choose_roles(reader, selection.topic_choice)
     survey = survey_log(reader, roles, settings.scan.forward_rad())
-    replay = Replay(reader, roles, settings.bumper, selection.replay_options)
+    sensors = sensors_of(roles, name, selection.sensor) if required else SCAN
+    replay = Replay(reader, roles, settings.bumper, selection.replay_options(sensors))
     kind, hold_s, presses, words = None, None, None, "none"
     if by_hand is not None:
         rows = by_hand.get(name, ())
@@ -202,24 +216,37 @@ def survey_source(
         bump_source=words,
     )
     distance_m = selection.bump_distance_m if selection.bump_from == "scan" else None
-    return Source(name, reader.path, index, reader, roles, survey, replay, start, distance_m)
+    return Source(
+        name, reader.path, index, reader, roles, survey, replay, start, sensors, distance_m
+    )
 
 
 def _tell_of(source: Source) -> None:
     """Say what was chosen, and what is odd about the log."""
     name, roles, presses_from = source.name, source.roles, source.start.bump_source
-    LOGGER.info(
-        "%s: scans from %s (%s), presses from %s", name, roles.scan.name if roles.scan else "",
-        roles.scan_reason, presses_from if presses_from != "none" else roles.bump_reason,
-    )  # fmt: skip
+    presses_from = presses_from if presses_from != "none" else roles.bump_reason
+    used = [
+        f"{what}s from {topic.name} ({reason})"
+        for what, topic, reason in (
+            ("scan", roles.scan, roles.scan_reason),
+            ("image", roles.image, roles.image_reason),
+        )
+        if topic is not None and what in source.sensors
+    ]
+    LOGGER.info("%s: %s, presses from %s", name, ", ".join(used), presses_from)
     for warning in (*source.reader.warnings, *(f"{name}: {note}" for note in roles.notes)):
         LOGGER.warning("%s", warning)
+
+
+def _as_named(selection: LogSelection) -> list[Path]:
+    """Return the logs in the order given."""
+    return [path for word in selection.logs for path in expand_paths([word])]
 
 
 def _each_once(selection: LogSelection) -> list[Path]:
     """Return the logs in the order given; what is given twice is read once."""
     found: dict[Path, Path] = {}
-    for path in (path for word in selection.logs for path in expand_paths([word])):
+    for path in _as_named(selection):
         if path.resolve() in found:
             LOGGER.warning("%s: given twice; read once", path.name)
         found.setdefault(path.resolve(), path)

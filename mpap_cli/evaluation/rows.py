@@ -83,3 +83,35 @@ class PressRow:
     end_s: float
     predicted: int | None
     lead_s: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DecisionRow:
+    """What the robot would have done at one image (a row of decisions.csv; section 4.2.6).
+
+    ``nearest_ahead_m`` is the nearest range within 20 degrees of straight ahead in the scan
+    of that moment, None without one.
+    """
+
+    log: str
+    log_index: int
+    time_s: float
+    stamp_ns: int
+    action: str
+    obstacle_patches: int
+    unknown_patches: int
+    nearest_ahead_m: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PatchRow:
+    """One patch of an image (a row of patches.csv); rows and columns from the top left."""
+
+    log: str
+    log_index: int
+    stamp_ns: int
+    row: int
+    column: int
+    cluster: int | None
+    p_obstacle: float | None
+    unknown: int

@@ -43,6 +43,11 @@ class ScanLayout(NamedTuple):
     header_ns: int
     geometry: ScanGeometry
 
+    @property
+    def n_bytes(self) -> int:
+        """Size of the ranges."""
+        return self.dtype.itemsize * self.geometry.n_beams
+
 
 def scan_view(message: RawMessage, time_source: TimeSource = "log") -> ScanFields:
     """Read stamp, ranges and geometry of one laser scan.

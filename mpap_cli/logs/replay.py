@@ -1,21 +1,24 @@
-"""A log played back: blocks of scans and bumps, in time order (Figure 1)."""
+"""A log played back: scans, bumps, images and poses, in time order (Figure 1)."""
 
 import logging
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
 
-from mpap_cli.errors import SettingError
 from mpap_cli.logs.bumps.bumpers import BumpDecoder, BumpKind, BumpPiece
-from mpap_cli.logs.fields import FieldError, TimeSource, scan_view
+from mpap_cli.logs.fields import FieldError, scan_view
 from mpap_cli.logs.files.runs import END_NS
+from mpap_cli.logs.frames import frame_view
+from mpap_cli.logs.image_runs import read_frames
 from mpap_cli.logs.listing import messages_of
-from mpap_cli.logs.raw import LogReader, RawRun, RunGroup
+from mpap_cli.logs.odometry import locate_pose, read_poses
+from mpap_cli.logs.raw import LogReader, RawMessage, RawRun, RunGroup
+from mpap_cli.logs.replay_options import ReplayOptions
 from mpap_cli.logs.scan_runs import ScanPiece, read_scans
 from mpap_cli.logs.survey import is_broken, survey_beams
 from mpap_cli.logs.times import parse_time
 from mpap_cli.logs.topics import Roles
-from mpap_cli.logs.windows import Arrivals, Window
+from mpap_cli.logs.waiting import P
+from mpap_cli.logs.windows import Arrivals, Events, Window
 from mpap_cli.observations import NS_PER_S, Batch
 from mpap_cli.params import BumperParams
 
@@ -25,22 +28,16 @@ _LOG = logging.getLogger(__name__)
 
 _HEADER_MARGIN_NS = 2 * NS_PER_S
 _LATE = "stamped before what came earlier"
+_LATE_IMAGE, _LATE_POSE = f"an image {_LATE}", f"a pose {_LATE}"
 _BROKEN = "a scan with fewer than half the usual beams"
 _BAD_BUMP = "a bump message that does not fit its definition"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ReplayOptions:
-    """Which part of a log is played back, by which clock, in blocks of what size.
-
-    ``start`` and ``end`` are as `parse_time` reads them and cut by log time, start <= t <
-    end; ``time_source`` is the clock of the stamps that come out.
-    """
-
-    start: str | None = None
-    end: str | None = None
-    time_source: TimeSource = "log"
-    block_scans: int = 1024
+_HEADER_STAMPS: dict[str, Callable[[RawMessage], int]] = {
+    "scan": lambda message: scan_view(message, "header")[0],
+    "image": lambda message: (
+        frame_view(message.topic, memoryview(message.payload), 0, "header").stamp_ns
+    ),
+    "odometry": lambda message: locate_pose(message.payload, message.topic.encoding).header_ns,
+}
 
 
 class Replay:
@@ -51,11 +48,11 @@ class Replay:
     reader : LogReader
         An open log.
     roles : Roles
-        The topics to play back; bumps alone or scans alone will do.
+        The topics to play back; any of them alone will do.
     bumper : BumperParams
         How long a touch lasts, and which simulated contacts do not count.
     options : ReplayOptions, optional
-        By default the whole log by log time.
+        By default the whole log by log time, of its sensors the laser.
 
     Attributes
     ----------
@@ -76,11 +73,13 @@ class Replay:
 
     Notes
     -----
-    A batch ends after ``block_scans`` scans or two minutes, whatever comes first; a block in it
-    ends where the geometry changes. Only the first message of a sensor and its changes
-    become bumps; of pulses every touch. A cut that misses the log gives no batch, and one
-    warning. With ``header`` stamps messages may come out of order: they are sorted within
-    2 s, and left out where they are later than that.
+    A batch ends after ``block_scans`` scans, 512 images, 32 MB of images or two minutes,
+    whatever comes first; a block in it ends where the geometry changes. Only the first
+    message of a sensor and its changes become bumps; of pulses every touch. A cut that
+    misses the log gives no batch, and one warning. With ``header`` stamps messages may come
+    out of order: they are sorted within 2 s, and left out where they are later than that.
+    The clock of the headers is told by the first scan; where scans are not asked for or
+    there are none, by the first image, else by the first pose.
     """
 
     def __init__(
@@ -94,7 +93,13 @@ class Replay:
         self._roles = roles
         self._bumper = bumper
         self._options = options or ReplayOptions()
-        self._start_ns, self._end_ns = _cut(reader, self._options)
+        self._start_ns, self._end_ns = self._options.cut(reader.start_ns)
+        topics = {"scan": roles.scan, "image": roles.image, "odometry": roles.odometry}
+        self._topics = {
+            sensor: topic
+            for sensor, topic in topics.items()
+            if topic is not None and sensor in self._options.sensors
+        }
         self._usual_beams: float | None = None
         kinds = {role.rule.kind for role in roles.bumps}
         self.bump_kind: BumpKind | None = None
@@ -115,37 +120,52 @@ class Replay:
         """Yield the batches in time order."""
         self.skipped.clear()
         sensors: dict[str, int] = {}
-        window = Window(self._options.block_scans, sensors, changes_only=self.bump_kind != "pulse")
+        window = Window(
+            self._options.block_scans,
+            sensors,
+            changes_only=self.bump_kind != "pulse",
+            with_poses="odometry" in self._topics,
+        )
         decoders, arrivals = self._decoders(sensors), Arrivals(_HEADER_MARGIN_NS)
         for settled_ns, runs in self._groups():
-            scans = [
-                piece
-                for run in runs
-                if run.topic.name not in decoders
-                for piece in self._read_scans(run)
-            ]
-            bumps = [
-                self._read_bumps(run, decoders[topic])
-                for topic in decoders
-                for run in runs
-                if run.topic.name == topic
-            ]
+            events = self._read(runs, decoders)
             by_header = self._options.time_source == "header"
             if by_header:
-                scans, bumps = self._in_time(arrivals, scans, bumps)
-            window.add(scans, bumps)
+                events = self._in_time(arrivals, events)
+            window.add(*events)
             yield from window.batches(arrivals.settled_ns if by_header else settled_ns)
         yield from window.batches(END_NS)
 
     def _groups(self) -> Iterator[RunGroup]:
-        """Yield the messages of the roles' topics within the cut."""
-        topics = [role.topic for role in self._roles.bumps]
-        if self._roles.scan is not None:
-            topics.append(self._roles.scan)
+        """Yield the messages of the topics to play back, within the cut."""
+        topics = [*(role.topic for role in self._roles.bumps), *self._topics.values()]
         msgtypes = {topic.name: topic.msgtype for topic in topics}
         for until_ns, runs in self._reader.runs(msgtypes.keys(), self._start_ns, self._end_ns):
             fitting = [run for run in runs if run.topic.msgtype == msgtypes[run.topic.name]]
             yield RunGroup(until_ns, fitting)
+
+    def _read(self, runs: Sequence[RawRun], decoders: dict[str, BumpDecoder]) -> Events:
+        """Read the messages of all topics."""
+        events = Events([], [], [], [])
+        clock = self._options.time_source
+        sensors = {topic.name: sensor for sensor, topic in self._topics.items()}
+        for run in runs:
+            sensor = sensors.get(run.topic.name)
+            if sensor == "scan":
+                events.scans.extend(self._read_scans(run))
+            elif sensor == "image":
+                events.frames.append(self._count(*read_frames(run, clock)))
+            elif sensor == "odometry":
+                events.poses.append(self._count(*read_poses(run, clock)))
+        for name, decoder in decoders.items():
+            same = (run for run in runs if run.topic.name == name)
+            events.bumps.extend(self._read_bumps(run, decoder) for run in same)
+        return events
+
+    def _count(self, found: P, skipped: Counter[str]) -> P:
+        """Add up what was left out."""
+        self.skipped.update(skipped)
+        return found
 
     def _decoders(self, sensors: dict[str, int]) -> dict[str, BumpDecoder]:
         """Make the decoder of each bump topic."""
@@ -184,35 +204,30 @@ class Replay:
             self.skipped[_BAD_BUMP] += n_broken
         return piece.rows(piece.codes % 2 == 1) if self.bump_kind == "pulse" else piece
 
-    def _in_time(
-        self, arrivals: Arrivals, scans: list[ScanPiece], bumps: list[BumpPiece]
-    ) -> tuple[list[ScanPiece], list[BumpPiece]]:
+    def _in_time(self, arrivals: Arrivals, events: Events) -> Events:
         """Leave out what is stamped long before what came earlier."""
-        kept = arrivals.in_time([*scans, *bumps])
-        if n_late := sum(int((~rows).sum()) for rows in kept):
-            self.skipped[_LATE] += n_late
-        return (
-            [piece.rows(rows) for piece, rows in zip(scans, kept, strict=False)],
-            [piece.rows(rows) for piece, rows in zip(bumps, kept[len(scans) :], strict=True)],
+        kept = iter(arrivals.in_time([piece for pieces in events for piece in pieces]))
+
+        def timely(pieces: list[P], late: str) -> list[P]:
+            rows = [next(kept) for _ in pieces]
+            if n_late := sum(int((~in_time).sum()) for in_time in rows):
+                self.skipped[late] += n_late
+            return [piece.rows(in_time) for piece, in_time in zip(pieces, rows, strict=True)]
+
+        return Events(
+            timely(events.scans, _LATE),
+            timely(events.bumps, _LATE),
+            timely(events.frames, _LATE_IMAGE),
+            timely(events.poses, _LATE_POSE),
         )
 
     def _clock_shift_ns(self) -> int:
-        """Tell how far the clock of the headers is from log time, by the first scan."""
-        if self._options.time_source == "log" or self._roles.scan is None:
-            return 0
-        for message in messages_of(self._reader, self._roles.scan):
-            try:
-                return scan_view(message, "header")[0] - message.stamp_ns
-            except FieldError:
-                continue
+        """Tell how far the clock of the headers is from log time, by the first message."""
+        if self._options.time_source == "header":
+            for sensor, topic in self._topics.items():
+                for message in messages_of(self._reader, topic):
+                    try:
+                        return _HEADER_STAMPS[sensor](message) - message.stamp_ns
+                    except FieldError:
+                        continue
         return 0
-
-
-def _cut(reader: LogReader, options: ReplayOptions) -> tuple[int | None, int | None]:
-    """Turn start and end into stamps; None where nothing is cut."""
-    start = parse_time(options.start, reader.start_ns) if options.start is not None else None
-    end = parse_time(options.end, reader.start_ns) if options.end is not None else None
-    if start is not None and end is not None and start >= end:
-        msg = f"--start {options.start} is not before --end {options.end}"
-        raise SettingError(msg)
-    return start, end

@@ -1,4 +1,4 @@
-"""Runs of messages that begin alike are read at once: laser scans, stamps of headers."""
+"""Laser scans of a run of messages; those that begin alike are read at once."""
 
 from collections import Counter
 from itertools import groupby
@@ -6,27 +6,13 @@ from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mpap_cli.logs.fields import (
-    CDR_BYTE_ORDERS,
-    LOCATED,
-    FieldError,
-    ScanLayout,
-    TimeSource,
-    locate_ranges,
-    scan_view,
-)
+from mpap_cli.logs.fields import LOCATED, FieldError, TimeSource, locate_ranges, scan_view
+from mpap_cli.logs.layouts import gather, header_stamps, locate_alike
 from mpap_cli.logs.raw import RawMessage, RawRun
-from mpap_cli.observations import NS_PER_S, BoolArray, Float32Array, IntArray, ScanGeometry
+from mpap_cli.observations import BoolArray, Float32Array, IntArray, ScanGeometry
 
-_MAX_COMPARED = 8
-_HEAD_BYTES = 16  # encapsulation or sequence number, stamp, length of the frame name
-_STAMP = slice(4, 12)
-_SEQUENCE = slice(4)
 _BETWEEN_SCANS = slice(-20, -12)  # time_increment, scan_time
-_FLOAT_BYTES = 4
-_BIG = [number for number, order in CDR_BYTE_ORDERS.items() if order == "big"]
 
 
 class ScanPiece(NamedTuple):
@@ -68,7 +54,7 @@ def read_scans(
     """
     if run.topic.encoding not in LOCATED:
         return _read_one_by_one(run, time_source)
-    kinds, layouts, skipped = _locate(run)
+    kinds, layouts, skipped = locate_alike(run, locate_ranges, [_BETWEEN_SCANS])
     kept = np.flatnonzero(kinds >= 0)
     if not kept.size:
         return [], skipped
@@ -81,85 +67,10 @@ def read_scans(
     pieces = []
     for begin, end in zip([0, *cuts], [*cuts, len(run)], strict=True):
         rows, at = slice(begin, end), layouts[kinds[begin]]
-        ranges = _gather(run.records, places[rows], _FLOAT_BYTES * at.geometry.n_beams)
+        ranges = gather(run.records, places[rows], at.n_bytes)
         floats = ranges.view(at.dtype).astype(np.float32, copy=False)
         pieces.append(ScanPiece(run.stamps_ns[rows], stamps_ns[rows], floats, at.geometry))
     return pieces, skipped
-
-
-def _locate(run: RawRun) -> tuple[IntArray, list[ScanLayout], Counter[str]]:
-    """Return which layout each message has, -1 for none, the layouts, and why there is none.
-
-    One message is read, and those that begin like it have its layout. Where new layouts
-    keep coming, each message is read.
-    """
-    from mpap_cli.logs.files import _kernels  # noqa: PLC0415  # numba is slow to import
-
-    skipped: Counter[str] = Counter()
-    layouts: list[ScanLayout] = []
-    kinds = np.full(len(run), -1)
-    left = np.arange(len(run))
-    while left.size:
-        try:
-            layout = locate_ranges(run.payload(left[0]), run.topic.encoding)
-        except FieldError as err:
-            skipped[str(err)] += 1
-            left = left[1:]
-            continue
-        kinds[left[0]] = len(layouts)
-        layouts.append(layout)
-        if len(layouts) > _MAX_COMPARED:
-            left = left[1:]
-            continue
-        least = layout.place + _FLOAT_BYTES * layout.geometry.n_beams
-        mask = _mask(layout.place, run.topic.encoding)
-        alike = _kernels.find_alike(run.records, run.starts[left], run.sizes[left], least, mask)
-        kinds[left[alike]] = len(layouts) - 1
-        left = left[~alike]
-    return kinds, layouts, skipped
-
-
-def _mask(size: int, encoding: str) -> NDArray[np.uint8]:
-    """Mark the bytes before the ranges that must be equal for the same layout and geometry."""
-    mask = np.full(size, 255, np.uint8)
-    mask[_STAMP] = mask[_BETWEEN_SCANS] = 0
-    if encoding == "ros1":
-        mask[_SEQUENCE] = 0
-    return mask
-
-
-def _gather(records: bytes, places: IntArray, n_bytes: int) -> NDArray[np.uint8]:
-    from mpap_cli.logs.files import _kernels  # noqa: PLC0415  # numba is slow to import
-
-    return _kernels.gather(records, places, n_bytes)
-
-
-def header_stamps(run: RawRun) -> tuple[IntArray, BoolArray]:
-    """Return the stamps inside messages that begin with std_msgs/Header.
-
-    Parameters
-    ----------
-    run : RawRun
-        Of encoding ``cdr`` or ``ros1``.
-
-    Returns
-    -------
-    stamps_ns : ndarray of shape (n,)
-        Nanoseconds.
-    readable : ndarray of shape (n,)
-        False where the payload is shorter than a header, or no plain CDR.
-    """
-    readable = run.sizes >= _HEAD_BYTES
-    stamps_ns = np.zeros(len(run), np.int64)
-    heads = _gather(run.records, run.starts[readable], _STAMP.stop)
-    words = heads[:, _STAMP].copy().view("<u4")
-    if run.topic.encoding == "cdr":
-        big = np.isin(heads[:, 1], _BIG)
-        words[big] = words[big].byteswap()
-        readable[readable] = np.isin(heads[:, 1], list(CDR_BYTE_ORDERS))
-    seconds, nanoseconds = words.astype(np.int64).T
-    stamps_ns[run.sizes >= _HEAD_BYTES] = seconds * NS_PER_S + nanoseconds
-    return stamps_ns, readable
 
 
 def _read_one_by_one(run: RawRun, time_source: TimeSource) -> tuple[list[ScanPiece], Counter[str]]:

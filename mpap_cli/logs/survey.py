@@ -2,15 +2,13 @@
 
 import logging
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby, islice
-from operator import itemgetter
 
 import numpy as np
 
-from mpap_cli.logs.fields import FieldError, scan_view
-from mpap_cli.logs.listing import messages_of
 from mpap_cli.logs.raw import LogReader, Topic
+from mpap_cli.logs.scan_runs import ScanPiece, read_scans
 from mpap_cli.logs.tf import find_forward, is_base
 from mpap_cli.logs.topics import Roles
 from mpap_cli.observations import BoolArray, Float32Array, ScanGeometry
@@ -76,8 +74,8 @@ def survey_log(reader: LogReader, roles: Roles, forward_rad: float | None = None
     """
     scans = _first_scans(reader, roles.scan) if roles.scan is not None else []
     usual = usual_beams(scans)
-    whole = [scan for scan in scans if not is_broken(scan[1], usual)]
-    geometry = whole[0][1] if whole else None
+    whole = [piece for piece in scans if not is_broken(piece.geometry, usual)]
+    geometry = whole[0].geometry if whole else None
     source = "option"
     if forward_rad is None:
         forward_rad, source = _forward_of(reader, geometry)
@@ -85,9 +83,12 @@ def survey_log(reader: LogReader, roles: Roles, forward_rad: float | None = None
     return Survey(forward_rad, source, range_max, geometry, _shares(whole))
 
 
-def usual_beams(scans: list[tuple[Float32Array, ScanGeometry]]) -> float:
+def usual_beams(scans: Sequence[ScanPiece]) -> float:
     """Return the median number of beams; 0 without scans."""
-    return float(np.median([geometry.n_beams for _, geometry in scans])) if scans else 0.0
+    n_beams = [piece.geometry.n_beams for piece in scans]
+    return (
+        float(np.median(np.repeat(n_beams, [len(one.ranges) for one in scans]))) if scans else 0.0
+    )
 
 
 def is_broken(geometry: ScanGeometry, usual: float) -> bool:
@@ -100,15 +101,18 @@ def survey_beams(reader: LogReader, topic: Topic) -> float:
     return usual_beams(_first_scans(reader, topic))
 
 
-def _first_scans(reader: LogReader, topic: Topic) -> list[tuple[Float32Array, ScanGeometry]]:
-    """Read the first scans that can be read."""
-    scans = []
-    for message in islice(messages_of(reader, topic), _SURVEYED_SCANS):
-        try:
-            _, ranges, geometry = scan_view(message)
-        except FieldError:
-            continue
-        scans.append((ranges.astype(np.float32), geometry))
+def _first_scans(reader: LogReader, topic: Topic) -> list[ScanPiece]:
+    """Read those of the first messages that can be read."""
+    scans: list[ScanPiece] = []
+    n_left = _SURVEYED_SCANS
+    for group in reader.runs({topic.name}):
+        for run in group.runs:
+            if n_left and run.topic.msgtype == topic.msgtype:
+                first = run.rows(slice(n_left))
+                scans.extend(read_scans(first)[0])
+                n_left -= len(first)
+        if not n_left:
+            break
     return scans
 
 
@@ -133,12 +137,12 @@ def _has_range_max(geometry: ScanGeometry) -> bool:
     return geometry.range_min < geometry.range_max < math.inf
 
 
-def _range_max(reader: LogReader, scans: list[tuple[Float32Array, ScanGeometry]]) -> float | None:
+def _range_max(reader: LogReader, scans: Sequence[ScanPiece]) -> float | None:
     """Find a range_max where the message's is not above range_min."""
-    geometry = scans[0][1]
+    geometry = scans[0].geometry
     if _has_range_max(geometry):
         return None
-    ranges = np.concatenate([ranges for ranges, _ in scans])
+    ranges = np.concatenate([piece.ranges.reshape(-1) for piece in scans])
     returns = ranges[np.isfinite(ranges) & (ranges > max(geometry.range_min, 0.0))]
     found = float(np.quantile(returns, _ROBUST_QUANTILE)) if returns.size else None
     taken = f"{found:.2f} m, from its first scans, is taken" if found else "there is no return"
@@ -151,14 +155,14 @@ def _range_max(reader: LogReader, scans: list[tuple[Float32Array, ScanGeometry]]
     return found
 
 
-def _shares(scans: list[tuple[Float32Array, ScanGeometry]]) -> dict[str, float]:
+def _shares(scans: Sequence[ScanPiece]) -> dict[str, float]:
     """Count which codes the beams carry."""
     if not scans:
         return {}
     counts = np.zeros(len(BEAM_CODES))
-    for geometry, group in groupby(scans, itemgetter(1)):
-        ranges = np.stack([ranges for ranges, _ in group])
-        counts += [np.count_nonzero(of_code) for of_code in _coded(ranges, geometry)]
+    for piece in scans:
+        codes = _coded(piece.ranges, piece.geometry)
+        counts += [np.count_nonzero(of_code) for of_code in codes]
     return dict(zip(BEAM_CODES, (counts / counts.sum()).tolist(), strict=True))
 
 

@@ -1,27 +1,15 @@
-"""Which topic plays which role: scan, image, bump.
+"""Which topic plays which role: scan, image, odometry, bump.
 
 By type first, then by name, then by what the topic holds; and always with a reason.
 """
 
-import re
 from dataclasses import dataclass
 
 from mpap_cli.errors import UsageError
 from mpap_cli.logs.bumps.bump_topics import BumpRole, BumpsFound, ask_for_bumps, find_bumps
-from mpap_cli.logs.fields import SCAN_ENCODINGS
-from mpap_cli.logs.listing import DECODED, list_topics
+from mpap_cli.logs.listing import list_topics
 from mpap_cli.logs.raw import LogReader, Topic
-
-SCAN_TYPES = ("sensor_msgs/msg/LaserScan", "foxglove.LaserScan")
-IMAGE_TYPES = (
-    "sensor_msgs/msg/CompressedImage",
-    "sensor_msgs/msg/Image",
-    "foxglove.CompressedImage",
-    "foxglove.RawImage",
-)
-_NO_APPEARANCE = re.compile(
-    r"theora|ffmpeg|compresseddepth|parameter_updates|depth|infra|mask", re.IGNORECASE
-)
+from mpap_cli.logs.sensor_topics import choose_image, choose_odometry, choose_scan, find_unreadable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,17 +37,20 @@ class Roles:
     """The topics to use, why these, and what else there would be.
 
     ``scan`` and ``image`` are None where there is none or the choice is the user's (then
-    there are candidates); ``bumps`` is empty without a bumper. A reason is half a sentence
-    to print behind the topic, or in its place where there is none. Candidates are names,
-    best first. ``notes`` are whole sentences about topics that look useful but are not used.
+    there are candidates); ``odometry`` is None where there is none; ``bumps`` is empty
+    without a bumper. A reason is half a sentence to print behind the topic, or in its place
+    where there is none. Candidates are names, best first. ``notes`` are whole sentences
+    about topics that look useful but are not used.
     """
 
     topics: tuple[Topic, ...]
     scan: Topic | None
     image: Topic | None
+    odometry: Topic | None
     bumps: tuple[BumpRole, ...]
     scan_reason: str
     image_reason: str
+    odometry_reason: str
     bump_reason: str
     scan_candidates: tuple[str, ...]
     image_candidates: tuple[str, ...]
@@ -68,7 +59,7 @@ class Roles:
 
 
 def choose_roles(reader: LogReader, choice: TopicChoice | None = None) -> Roles:
-    """Find the scan, image and bump topics of a log.
+    """Find the scan, image, odometry and bump topics of a log.
 
     Parameters
     ----------
@@ -90,8 +81,9 @@ def choose_roles(reader: LogReader, choice: TopicChoice | None = None) -> Roles:
     """
     asked = choice or TopicChoice()
     name = reader.path.name
-    scan, scan_reason, scans = _choose_scan(reader.topics, asked.scan, name)
-    image, image_reason, images = _choose_image(reader.topics, asked.image, name)
+    scan, scan_reason, scans = choose_scan(reader.topics, asked.scan, name)
+    image, image_reason, images = choose_image(reader.topics, asked.image, name)
+    odometry, odometry_reason = choose_odometry(reader.topics)
     if asked.bump_from != "topic":
         if asked.bumps:
             msg = f"--bump-topic and --bump-from {asked.bump_from} exclude each other; give one"
@@ -106,14 +98,16 @@ def choose_roles(reader: LogReader, choice: TopicChoice | None = None) -> Roles:
         topics=reader.topics,
         scan=scan,
         image=image,
+        odometry=odometry,
         bumps=bumps,
         scan_reason=scan_reason,
         image_reason=image_reason,
+        odometry_reason=odometry_reason,
         bump_reason=bump_reason,
         scan_candidates=scans,
         image_candidates=images,
         bump_candidates=bump_candidates,
-        notes=(*_unreadable(reader.topics), *notes),
+        notes=(*find_unreadable(reader.topics), *notes),
     )
 
 
@@ -132,96 +126,25 @@ def require_scan(roles: Roles, name: str) -> Topic:
     UsageError
         If there is no scan topic, or several.
     """
-    if roles.scan is not None:
-        return roles.scan
-    if roles.scan_candidates:
-        msg = f"{name}: {roles.scan_reason}"
+    if roles.scan is None:
+        missing = _missing(roles, "no scan topic (LaserScan)")
+        msg = f"{name}: {roles.scan_reason if roles.scan_candidates else missing}"
         raise UsageError(msg)
-    others = roles.image or roles.image_candidates or roles.bumps or roles.bump_candidates
-    missing = "no scan topic (LaserScan)" if others else "no scan, image or bump topic"
-    msg = f"{name}: {missing}; the log holds {list_topics(roles.topics)}"
-    raise UsageError(msg)
+    return roles.scan
 
 
-def _choose_scan(
-    topics: tuple[Topic, ...], asked: str | None, name: str
-) -> tuple[Topic | None, str, tuple[str, ...]]:
-    """Take the topic asked for, the only one, or the one named /scan."""
-    found = [
-        topic
-        for topic in topics
-        if topic.msgtype in SCAN_TYPES and topic.encoding in SCAN_ENCODINGS and topic.n_messages
-    ]
-    names = tuple(topic.name for topic in found)
-    if asked is not None:
-        return _asked_for(topics, found, asked, f"{name}: --scan-topic"), "asked for", names
-    if len(found) == 1:
-        return found[0], "the only LaserScan topic", names
-    exact = [topic for topic in found if topic.name == "/scan"]
-    if exact:
-        return exact[0], f"named /scan, of {len(found)} LaserScan topics", names
-    if not found:
-        return None, "no topic carries LaserScan", ()
-    return None, _ambiguous(names, "LaserScan", "--scan-topic"), names
-
-
-def _choose_image(
-    topics: tuple[Topic, ...], asked: str | None, name: str
-) -> tuple[Topic | None, str, tuple[str, ...]]:
-    """Take the topic asked for, or the only camera: compressed before raw."""
-    able = [
-        topic
-        for topic in topics
-        if topic.msgtype in IMAGE_TYPES and topic.encoding in DECODED and topic.n_messages
-    ]
-    if asked is not None:
-        names = tuple(topic.name for topic in able)
-        return _asked_for(topics, able, asked, f"{name}: --image-topic"), "asked for", names
-    cameras: dict[str, list[Topic]] = {}
-    for topic in able:
-        if not _NO_APPEARANCE.search(topic.name):
-            cameras.setdefault(topic.name.removesuffix("/compressed"), []).append(topic)
-    best = [min(camera, key=_is_raw) for camera in cameras.values()]
-    names = tuple(topic.name for topic in best)
-    if len(best) == 1:
-        return best[0], "the only camera", names
-    if not best:
-        return None, "no topic carries images of a camera", ()
-    return None, _ambiguous(names, "images", "--image-topic"), names
-
-
-def _is_raw(topic: Topic) -> bool:
-    return "Compressed" not in topic.msgtype
-
-
-def _asked_for(topics: tuple[Topic, ...], able: list[Topic], asked: str, option: str) -> Topic:
-    """Return the topic that was asked for by name."""
-    for topic in able:
-        if topic.name == asked:
-            return topic
-    there = next((topic for topic in topics if topic.name == asked), None)
-    if there is None:
-        msg = f"{option} {asked}: no such topic; the log holds {list_topics(topics)}"
+def require_image(roles: Roles, name: str) -> Topic:
+    """Return the image topic, or say how to get one, as `require_scan` does."""
+    if roles.image is None:
+        missing = _missing(roles, "no image topic (CompressedImage, Image)")
+        msg = f"{name}: {roles.image_reason if roles.image_candidates else missing}"
         raise UsageError(msg)
-    wanted = ", ".join(topic.name for topic in able) or "no topic that would do"
-    msg = (
-        f"{option} {asked}: {there.n_messages} messages of {there.msgtype} "
-        f"({there.encoding or 'unknown encoding'}) cannot be used; there is {wanted}"
-    )
-    raise UsageError(msg)
+    return roles.image
 
 
-def _ambiguous(names: tuple[str, ...], what: str, option: str) -> str:
-    listed = ", ".join(names)
-    return f"{len(names)} topics carry {what}: {listed}; choose one with {option} {names[0]}"
-
-
-def _unreadable(topics: tuple[Topic, ...]) -> tuple[str, ...]:
-    """Name scans and images that are there in a form that is not read."""
-    return tuple(
-        f"{topic.name} ({topic.msgtype}) is not used: encoding "
-        f"{topic.encoding or 'unknown'} cannot be read"
-        for topic in topics
-        if re.search(r"LaserScan|CompressedImage|RawImage|msg/Image", topic.msgtype)
-        and topic.encoding not in DECODED
-    )
+def _missing(roles: Roles, missing: str) -> str:
+    """Say what a log lacks, and what it holds."""
+    found = (roles.scan, *roles.scan_candidates, roles.image, *roles.image_candidates)
+    if not any((*found, *roles.bumps, *roles.bump_candidates)):
+        missing = "no scan, image or bump topic"
+    return f"{missing}; the log holds {list_topics(roles.topics)}"

@@ -3,15 +3,28 @@
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 from operator import attrgetter
+from typing import NamedTuple
 
 import numpy as np
 
 from mpap_cli.logs.bumps.bumpers import BumpPiece
 from mpap_cli.logs.files.runs import END_NS
+from mpap_cli.logs.image_runs import FramePiece
+from mpap_cli.logs.odometry import PosePiece
 from mpap_cli.logs.scan_runs import ScanPiece
-from mpap_cli.observations import NS_PER_S, Batch, BoolArray, Bump, ScanBlock
+from mpap_cli.logs.waiting import Piece, Waiting, WaitingFrames
+from mpap_cli.observations import NS_PER_S, Batch, BoolArray, Bump, PoseBlock, ScanBlock
 
 _MAX_SPAN_NS = 120 * NS_PER_S
+
+
+class Events(NamedTuple):
+    """What the messages of a stretch of a log tell, by kind."""
+
+    scans: list[ScanPiece]
+    bumps: list[BumpPiece]
+    frames: list[FramePiece]
+    poses: list[PosePiece]
 
 
 class Arrivals:
@@ -33,7 +46,7 @@ class Arrivals:
         self._margin_ns = margin_ns
         self.settled_ns = -END_NS
 
-    def in_time(self, pieces: Sequence[ScanPiece | BumpPiece]) -> list[BoolArray]:
+    def in_time(self, pieces: Sequence[Piece]) -> list[BoolArray]:
         """Tell of each event of the next stretch of a log whether it is not too late."""
         if not pieces:
             return []
@@ -49,7 +62,7 @@ class Arrivals:
 
 
 class Window:
-    """Gathers scans and bumps until a batch is due.
+    """Gathers scans, bumps, images and poses until a batch is due.
 
     Parameters
     ----------
@@ -59,21 +72,48 @@ class Window:
         The numbers that the codes of bumps speak of; may grow.
     changes_only : bool
         Whether a bump that repeats the state of its sensor is left out.
+    with_poses : bool
+        Whether batches have poses, even if there are none.
+
+    Notes
+    -----
+    The image with which 512 or 32 MB are reached makes a batch too, so that memory does not
+    grow with their size.
     """
 
-    def __init__(self, block_scans: int, sensors: Mapping[str, int], *, changes_only: bool) -> None:
+    def __init__(
+        self,
+        block_scans: int,
+        sensors: Mapping[str, int],
+        *,
+        changes_only: bool,
+        with_poses: bool = False,
+    ) -> None:
         self._block_scans = block_scans
         self._sensors = sensors
         self._changes_only = changes_only
-        self._scans: list[ScanPiece] = []
+        self._with_poses = with_poses
+        self._scans: Waiting[ScanPiece] = Waiting()
+        self._frames = WaitingFrames()
+        self._poses: Waiting[PosePiece] = Waiting()
         self._bumps = BumpPiece(*np.empty((3, 0), dtype=np.int64))
         self._pressed: dict[int, int] = {}
 
-    def add(self, scans: Sequence[ScanPiece], bumps: Sequence[BumpPiece]) -> None:
+    def add(
+        self,
+        scans: Sequence[ScanPiece],
+        bumps: Sequence[BumpPiece],
+        frames: Sequence[FramePiece] = (),
+        poses: Sequence[PosePiece] = (),
+    ) -> None:
         """Take events in; none may lie in a batch that is gone."""
-        self._scans = _in_order([*self._scans, *(piece for piece in scans if len(piece.stamps_ns))])
-        merged = BumpPiece(*np.concatenate([np.array(piece) for piece in (self._bumps, *bumps)], 1))
-        self._bumps = merged.rows(np.lexsort((merged.recorded_ns, merged.stamps_ns)))
+        self._scans.add(scans)
+        self._frames.add(frames)
+        self._poses.add(poses)
+        if bumps:
+            together = np.concatenate([np.array(piece) for piece in (self._bumps, *bumps)], 1)
+            merged = BumpPiece(*together)
+            self._bumps = merged.rows(np.lexsort((merged.recorded_ns, merged.stamps_ns)))
 
     def batches(self, settled_ns: int) -> Iterator[Batch]:
         """Take out the batches that are complete if nothing comes stamped before a moment.
@@ -81,38 +121,31 @@ class Window:
         Bumps with one stamp are in the order of their log time; where that is one too,
         in the order in which they were added.
         """
-        while self._scans or len(self._bumps.codes):
-            last_ns = self._last_moment()
-            if last_ns >= settled_ns:
-                break
-            scans = self._take_scans(last_ns)
+        while (last_ns := self._last_moment()) is not None and last_ns < settled_ns:
+            scans, frames = self._scans.take(last_ns), self._frames.take(last_ns)
+            poses = self._poses.take(last_ns)
             n_bumps = np.searchsorted(self._bumps.stamps_ns, last_ns, side="right")
             bumps = self._bumps.rows(slice(n_bumps))
             self._bumps = self._bumps.rows(slice(n_bumps, None))
-            stamps_ns = [piece.stamps_ns[-1] for piece in scans] + [*bumps.stamps_ns[-1:]]
-            yield Batch(int(max(stamps_ns)), _blocks(scans), tuple(self._changes(bumps)))
+            pieces: tuple[Piece, ...] = (*scans, *frames, *poses, bumps)
+            yield Batch(
+                max(int(piece.stamps_ns[-1]) for piece in pieces if len(piece.stamps_ns)),
+                _blocks(scans),
+                tuple(self._changes(bumps)),
+                tuple(frame for piece in frames for frame in piece.frames),
+                _joined(poses) if self._with_poses else None,
+            )
 
-    def _last_moment(self) -> int:
-        """Return the last moment of the next batch."""
-        first = [piece.stamps_ns[0] for piece in self._scans] + [*self._bumps.stamps_ns[:1]]
-        last_ns = int(min(first)) + _MAX_SPAN_NS
-        n_due = self._block_scans
-        for piece in self._scans:
-            if n_due <= len(piece.stamps_ns):
-                return min(last_ns, int(piece.stamps_ns[n_due - 1]))
-            n_due -= len(piece.stamps_ns)
-        return last_ns
-
-    def _take_scans(self, last_ns: int) -> list[ScanPiece]:
-        """Take out the scans up to a moment."""
-        taken: list[ScanPiece] = []
-        while self._scans and self._scans[0].stamps_ns[0] <= last_ns:
-            piece = self._scans.pop(0)
-            n_taken = int(np.searchsorted(piece.stamps_ns, last_ns, side="right"))
-            taken.append(piece.rows(slice(n_taken)))
-            if n_taken < len(piece.stamps_ns):
-                self._scans.insert(0, piece.rows(slice(n_taken, None)))
-        return taken
+    def _last_moment(self) -> int | None:
+        """Return the last moment of the next batch; None if there is nothing for one."""
+        first = [self._scans.first_ns, self._frames.first_ns, self._poses.first_ns]
+        waiting = [moment for moment in first if moment is not None]
+        waiting += self._bumps.stamps_ns[:1].tolist()
+        if not waiting:
+            return None
+        full = (self._scans.moment_of(self._block_scans), self._frames.full_ns())
+        due = [moment for moment in full if moment is not None]
+        return min([min(waiting) + _MAX_SPAN_NS, *due])
 
     def _changes(self, bumps: BumpPiece) -> Iterator[Bump]:
         """Leave out bumps that say nothing new."""
@@ -126,24 +159,6 @@ class Window:
                 yield Bump(stamp_ns, names[sensor], pressed=pressed == 1)
 
 
-def _in_order(pieces: list[ScanPiece]) -> list[ScanPiece]:
-    """Sort scans by stamp, where they are not; equal stamps stay as they came."""
-    if len(pieces) == 0:
-        return pieces
-    stamps_ns = np.concatenate([piece.stamps_ns for piece in pieces])
-    if (np.diff(stamps_ns) >= 0).all():
-        return pieces
-    order = np.argsort(stamps_ns, kind="stable")
-    lengths = [len(piece.stamps_ns) for piece in pieces]
-    which = np.repeat(np.arange(len(pieces)), lengths)[order]
-    rows = np.concatenate([np.arange(length) for length in lengths])[order]
-    cuts = np.flatnonzero(np.diff(which)) + 1
-    return [
-        pieces[which[begin]].rows(rows[begin:end])
-        for begin, end in zip([0, *cuts], [*cuts, len(order)], strict=True)
-    ]
-
-
 def _blocks(pieces: Sequence[ScanPiece]) -> tuple[ScanBlock, ...]:
     """Join scans that follow one another with one geometry."""
     blocks = []
@@ -155,3 +170,10 @@ def _blocks(pieces: Sequence[ScanPiece]) -> tuple[ScanBlock, ...]:
             ranges = np.concatenate([piece.ranges for piece in same])
         blocks.append(ScanBlock(stamps_ns, ranges, geometry))
     return tuple(blocks)
+
+
+def _joined(pieces: Sequence[PosePiece]) -> PoseBlock:
+    """Join poses that follow one another."""
+    stamps_ns = [np.empty(0, dtype=np.int64), *(piece.stamps_ns for piece in pieces)]
+    poses = [np.empty((0, 3)), *(piece.poses for piece in pieces)]
+    return PoseBlock(np.concatenate(stamps_ns), np.concatenate(poses))

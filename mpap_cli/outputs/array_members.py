@@ -10,7 +10,7 @@ import math
 import re
 import struct
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from mpap_cli.errors import ModelError
 
 _FIRST_DATE = (1980, 1, 1, 0, 0, 0)  # the date of a file would change its bytes
+_NAME_LENGTHS = 26  # where a member's local header says how long name and extra field are
 _MAGIC = b"\x93NUMPY\x01\x00"
 _HEADER = re.compile(
     r"\{'descr': '([<|][biuf][1248])', 'fortran_order': False, 'shape': \(([0-9, ]*)\), \} *\n"
@@ -55,20 +56,52 @@ def write_array(archive: zipfile.ZipFile, name: str, array: NDArray[Any]) -> Non
     ValueError
         If the array holds anything else.
     """
-    if array.dtype.kind not in "biuf":
-        msg = f"{name} holds no numbers: {array.dtype}"
+    _write(archive, name, array.shape, [array])
+
+
+def write_joined(archive: zipfile.ZipFile, name: str, parts: Sequence[NDArray[Any]]) -> None:
+    """Write arrays as if they had been concatenated, which would copy them.
+
+    Parameters
+    ----------
+    archive : ZipFile
+        Open for writing.
+    name : str
+        Name without suffix.
+    parts : sequence of ndarray
+        One at least, of numbers or truth values; they differ in nothing but their length.
+
+    Raises
+    ------
+    ValueError
+        If they differ in more, or hold anything else.
+    """
+    if len({(part.dtype, part.shape[1:]) for part in parts}) != 1:
+        msg = f"{name}: the parts do not make one array"
         raise ValueError(msg)
-    little = array.dtype.newbyteorder("<")
-    plain = np.ascontiguousarray(array, dtype=little).reshape(array.shape)
+    _write(archive, name, (sum(len(part) for part in parts), *parts[0].shape[1:]), parts)
+
+
+def _write(
+    archive: zipfile.ZipFile, name: str, shape: tuple[int, ...], parts: Sequence[NDArray[Any]]
+) -> None:
+    """Write the header of an array and the values of its parts."""
+    dtype = parts[0].dtype.newbyteorder("<")
+    if dtype.kind not in "biuf":
+        msg = f"{name} holds no numbers: {parts[0].dtype}"
+        raise ValueError(msg)
     header = io.BytesIO()
-    np.lib.format.write_array_header_1_0(header, np.lib.format.header_data_from_array_1_0(plain))
+    words = {"descr": dtype.str, "fortran_order": False, "shape": shape}
+    np.lib.format.write_array_header_1_0(header, words)
     member = zipfile.ZipInfo(f"{name}.npy", _FIRST_DATE)
     member.create_system = 3  # Unix, wherever it is written
     member.external_attr = 0o644 << 16
-    member.file_size = header.tell() + plain.nbytes
+    member.file_size = header.tell() + math.prod(shape) * dtype.itemsize
     with archive.open(member, "w") as stream:
         stream.write(header.getbuffer())
-        stream.write(plain.reshape(-1).view(np.uint8).data)  # no copy: chunks are large
+        for part in parts:
+            plain = np.ascontiguousarray(part, dtype=dtype)
+            stream.write(plain.reshape(-1).view(np.uint8).data)  # no copy: chunks are large
 
 
 def write_record(archive: zipfile.ZipFile, name: str, record: dict[str, Any]) -> None:
@@ -144,12 +177,34 @@ def read_array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
     _check_place(archive, member)
     with archive.open(member) as stream:
         dtype, shape = _read_header(name, stream)
-        n_bytes = member.file_size - stream.tell()
-        if math.prod(shape) * dtype.itemsize != n_bytes:
-            msg = f"{name} declares {'x'.join(map(str, shape))} values in {n_bytes} bytes"
-            raise ValueError(msg)
+        _check_size(name, dtype, shape, member.file_size - stream.tell())
         content = stream.read()
     return np.frombuffer(content, dtype=dtype).reshape(shape).copy()
+
+
+def map_array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
+    """Return the member ``name.npy`` without reading it: values come when they are looked at.
+
+    Parameters and errors are those of :func:`read_array`, but the checksum, which is that of
+    the whole member, is not looked at. The array cannot be written and may be unaligned.
+    """
+    member = archive.getinfo(f"{name}.npy")
+    _check_place(archive, member)
+    with Path(archive.filename or "").open("rb") as stream:
+        stream.seek(member.header_offset + _NAME_LENGTHS)
+        stream.seek(sum(struct.unpack("<HH", stream.read(4))), io.SEEK_CUR)
+        begin = stream.tell()
+        dtype, shape = _read_header(name, stream)
+        n_bytes = begin + member.file_size - stream.tell()
+        _check_size(name, dtype, shape, n_bytes)
+        return np.memmap(stream, dtype, "r", stream.tell(), shape)
+
+
+def _check_size(name: str, dtype: np.dtype[Any], shape: tuple[int, ...], n_bytes: int) -> None:
+    """Check that an array of this shape has this size."""
+    if math.prod(shape) * dtype.itemsize != n_bytes:
+        msg = f"{name} declares {'x'.join(map(str, shape))} values in {n_bytes} bytes"
+        raise ValueError(msg)
 
 
 def _check_place(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> None:

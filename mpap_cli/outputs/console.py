@@ -123,12 +123,12 @@ def _print_styled(row_type: type[Row], rows: Sequence[Row], stream: TextIO) -> N
 class Report(Protocol):
     """Told how far a replay is."""
 
-    def __call__(self, done_s: float, n_scans: int) -> None:
-        """Take the seconds of log time that are done and the scans so far."""
+    def __call__(self, done_s: float, n_observations: int) -> None:
+        """Take the seconds of log time that are done and the observations so far."""
         ...
 
 
-def _ignore(done_s: float, n_scans: int) -> None:  # as Report has it
+def _ignore(done_s: float, n_observations: int) -> None:  # as Report has it
     """Report nothing."""
 
 
@@ -136,7 +136,7 @@ def _ignore(done_s: float, n_scans: int) -> None:  # as Report has it
 def progress(
     title: str, total_s: float | None, *, quiet: bool = False, stream: TextIO | None = None
 ) -> Iterator[Report]:
-    """Show how far a replay is: scans per second, speed against real time, time left.
+    """Show how far a replay is: observations per second, speed against real time, time left.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def progress(
     Yields
     ------
     callable
-        To be told the seconds of log time done and the number of scans so far; cheap
+        To be told the seconds of log time done and the number of observations so far; cheap
         enough for every block.
     """
     stream = sys.stderr if stream is None else stream
@@ -163,9 +163,9 @@ def progress(
     with bar:
         task = bar.add_task(printable(title), total=total_s, speed="")
 
-        def report(done_s: float, n_scans: int) -> None:
+        def report(done_s: float, n_observations: int) -> None:
             elapsed = bar.tasks[0].elapsed or 0.0
-            bar.update(task, completed=done_s, speed=speed_text(done_s, n_scans, elapsed))
+            bar.update(task, completed=done_s, speed=speed_text(done_s, n_observations, elapsed))
 
         yield report
 
@@ -186,12 +186,14 @@ def _bar(stream: TextIO) -> Any:
     )
 
 
-def speed_text(done_s: float, n_scans: int, elapsed_s: float) -> str:
+def speed_text(done_s: float, n_observations: int, elapsed_s: float) -> str:
     """Return the speed of a replay in words.
 
     >>> speed_text(120.0, 600, 2.0)
-    '300 scans/s, 60 x real time'
+    '300 observations/s, 60 x real time'
     """
     if elapsed_s <= 0:
         return ""
-    return f"{n_scans / elapsed_s:,.0f} scans/s, {done_s / elapsed_s:,.0f} x real time"
+    return (
+        f"{n_observations / elapsed_s:,.0f} observations/s, {done_s / elapsed_s:,.0f} x real time"
+    )

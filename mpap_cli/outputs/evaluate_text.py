@@ -94,7 +94,7 @@ def count(number: int, word: str) -> str:
     >>> count(1, "press"), count(9640, "scan")
     ('1 press', '9,640 scans')
     """
-    plural = word + ("es" if word.endswith("s") else "s")
+    plural = word + ("es" if word.endswith(("s", "ch")) else "s")
     return f"{number:,} {word if number == 1 else plural}"
 
 

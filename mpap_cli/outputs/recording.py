@@ -7,31 +7,34 @@ A log's record follows its chunks, the list of logs is last: memory stays flat.
 
 import math
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path, PurePath
 from types import TracebackType
 from typing import Any, NoReturn, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpap_cli.errors import ModelError
 from mpap_cli.observations import IntArray, ObservedLog, Press, ScanBlock
 from mpap_cli.outputs.array_members import (
+    map_array,
     open_members,
     read_array,
     read_record,
-    write_array,
+    write_joined,
     write_record,
 )
 from mpap_cli.outputs.model_file import check_format
 from mpap_cli.outputs.recorded_log import RecordedLog
-from mpap_cli.outputs.scan_chunks import ARRAYS, ChunkPacker, make_chunk, unpack
+from mpap_cli.outputs.scan_chunks import ChunkPacker, make_chunk, unpack
 
 FORMAT = "mpap recording"
 VERSION = 1
 _CHUNK_BYTES = 4 * 1024 * 1024
 _WHAT = "recording"
+ArrayReader = Callable[[zipfile.ZipFile, str], NDArray[Any]]
 
 
 class RecordingWriter:
@@ -104,11 +107,11 @@ class RecordingWriter:
     def _write_chunk(self) -> None:
         """Write the blocks that wait."""
         chunk = self._packer.take()
-        if chunk is None:
+        if not chunk.runs:
             return
         name = _chunk(self._n_logs, self._n_chunks)
-        for part in ARRAYS:
-            write_array(self._archive, f"{name}/{part}", getattr(chunk, part))
+        for part, pieces in chunk._asdict().items():
+            write_joined(self._archive, f"{name}/{part}", pieces)
         self._n_chunks += 1
 
 
@@ -216,14 +219,20 @@ def _blocks(
             yield from _chunk_blocks(archive, _chunk(index, chunk), record["frames"])
 
 
-def _chunk_blocks(archive: zipfile.ZipFile, name: str, frames: list[str]) -> Iterator[ScanBlock]:
+def _chunk_blocks(
+    archive: zipfile.ZipFile, name: str, frames: list[str], ranges_of: ArrayReader = read_array
+) -> Iterator[ScanBlock]:
     """Yield the blocks of one chunk."""
-    arrays = [read_array(archive, f"{name}/{part}") for part in ARRAYS]
+    stamps_ns, runs = (read_array(archive, f"{name}/{part}") for part in ("stamps_ns", "runs"))
+    arrays = [stamps_ns, ranges_of(archive, f"{name}/ranges"), runs]
     yield from unpack(make_chunk(arrays, len(frames)), frames)
 
 
 def blocks_around(path: Path, stamps_ns: IntArray) -> Iterator[tuple[int, ScanBlock]]:
-    """Yield the blocks near some scans with the index of their log; other ranges are not read.
+    """Yield the blocks that hold some scans, with the index of their log.
+
+    Their ranges stay on the disk until they are looked at, and are not held against a
+    checksum: for a recording that this process wrote.
 
     Raises
     ------
@@ -235,6 +244,6 @@ def blocks_around(path: Path, stamps_ns: IntArray) -> Iterator[tuple[int, ScanBl
             log = read_record(archive, f"{_folder(index)}/log")
             for chunk in range(log["chunks"]):
                 name = _chunk(index, chunk)
-                if np.isin(stamps_ns, read_array(archive, f"{name}/{ARRAYS[0]}")).any():
-                    for block in _chunk_blocks(archive, name, log["frames"]):
+                for block in _chunk_blocks(archive, name, log["frames"], map_array):
+                    if np.isin(block.stamps_ns, stamps_ns).any():
                         yield index, block

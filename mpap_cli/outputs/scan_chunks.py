@@ -2,14 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpap_cli.observations import Float32Array, Float64Array, IntArray, ScanBlock, ScanGeometry
 
-ARRAYS = ("stamps_ns", "ranges", "runs")
 _RUN_COLUMNS = 7
 
 
@@ -25,6 +24,14 @@ class ScanChunk:
     stamps_ns: IntArray
     ranges: Float32Array
     runs: Float64Array
+
+
+class ChunkParts(NamedTuple):
+    """The arrays of a chunk, each in pieces that follow one another."""
+
+    stamps_ns: list[IntArray]
+    ranges: list[Float32Array]
+    runs: list[Float64Array]
 
 
 class ChunkPacker:
@@ -47,8 +54,8 @@ class ChunkPacker:
         geometry = block.geometry
         if geometry.frame_id not in self.frames:
             self.frames.append(geometry.frame_id)
-        self._stamps.append(block.stamps_ns.copy())
-        self._ranges.append(block.ranges.flatten())
+        self._stamps.append(block.stamps_ns.astype(np.int64))
+        self._ranges.append(block.ranges.astype(np.float32, order="C").reshape(-1))
         self._runs.append(
             (
                 block.stamps_ns.size,
@@ -62,22 +69,17 @@ class ChunkPacker:
         )
         self.n_bytes += block.ranges.nbytes + block.stamps_ns.nbytes
 
-    def take(self) -> ScanChunk | None:
-        """Return what waits, and forget it; None if nothing does."""
-        if not self._runs:
-            return None
-        chunk = ScanChunk(
-            stamps_ns=np.concatenate(self._stamps, dtype=np.int64),
-            ranges=np.concatenate(self._ranges, dtype=np.float32),
-            runs=np.array(self._runs, dtype=np.float64),
-        )
+    def take(self) -> ChunkParts:
+        """Return what waits, and forget it; no arrays if nothing does."""
+        runs = [np.array(self._runs, dtype=np.float64)] if self._runs else []
+        parts = ChunkParts(self._stamps, self._ranges, runs)
         self._stamps, self._ranges, self._runs = [], [], []
         self.n_bytes = 0
-        return chunk
+        return parts
 
 
 def make_chunk(arrays: Sequence[NDArray[Any]], n_frames: int) -> ScanChunk:
-    """Check arrays that come from a file, in the order of ``ARRAYS``.
+    """Check arrays that come from a file, stamps_ns, ranges and runs.
 
     Raises
     ------

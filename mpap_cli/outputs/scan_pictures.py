@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mpap_cli.observations import Float32Array, Float64Array, ScanGeometry
+from mpap_cli.observations import Float32Array, ScanGeometry
 from mpap_cli.outputs.canvas import (
     GRID,
     INK,
@@ -20,7 +20,6 @@ from mpap_cli.outputs.canvas import (
     Image,
     blank,
     draw_line,
-    fill_polygon,
     frame,
     paste,
     probability_colour,
@@ -28,6 +27,14 @@ from mpap_cli.outputs.canvas import (
     shorten,
     text_width,
     write_png,
+)
+from mpap_cli.outputs.probabilities import (
+    divide,
+    draw_bar,
+    draw_key,
+    left_out_text,
+    number,
+    rank,
 )
 from mpap_cli.outputs.scan_views import (
     SeenScan,
@@ -95,10 +102,8 @@ def write_exemplars(path: Path, exemplars: Sequence[ExemplarPicture], limit: int
     OSError
         If the file cannot be written.
     """
-    ranked = sorted(exemplars, key=lambda one: (-_rank(one), one.cluster))
-    n_lowest = limit // 3 if len(ranked) > limit else 0
-    shown = [*ranked[: limit - n_lowest], *ranked[len(ranked) - n_lowest :]]
-    left_out = ranked[limit - n_lowest : len(ranked) - n_lowest]
+    ranked = sorted(exemplars, key=lambda one: (-rank(one.p_collision), one.cluster))
+    shown, left_out = divide(ranked, limit)
     with_image = any(one.image is not None for one in shown)
     card_width = _POLAR + _GAP + _PLOT + (_GAP + _PICTURE if with_image else 0)
     columns = 1 if len(shown) == 1 else 2
@@ -114,27 +119,9 @@ def write_exemplars(path: Path, exemplars: Sequence[ExemplarPicture], limit: int
         y = _TITLE + (index // columns) * card_height
         _draw_card(page, Box(x, y, card_width, card_height), one, (scan, *scale))
     if left_out:
-        put_text(page, _left_out_text(left_out), (_EDGE, page.shape[0] - 16), size=0.6)
+        text = left_out_text([one.p_collision for one in left_out])
+        put_text(page, text, (_EDGE, page.shape[0] - 16), size=0.6)
     write_png(path, page)
-
-
-def _rank(one: ExemplarPicture) -> float:
-    """Return what clusters are sorted by; those without labels come last."""
-    p = _number(one.p_collision)
-    return -1.0 if math.isnan(p) else p
-
-
-def _number(value: float | None) -> float:
-    return math.nan if value is None else value
-
-
-def _left_out_text(left_out: Sequence[ExemplarPicture]) -> str:
-    """Say how many clusters are not drawn."""
-    text = f"and {len(left_out)} more, in clusters.csv"
-    highest, lowest = _rank(left_out[0]), _rank(left_out[-1])
-    if lowest < 0:
-        return text
-    return f"{text}, with probabilities from {lowest:.2f} to {highest:.2f} (not drawn)"
 
 
 def _draw_title(page: Image, n_clusters: int) -> None:
@@ -146,25 +133,14 @@ def _draw_title(page: Image, n_clusters: int) -> None:
     room = page.shape[1] - 2 * _EDGE
     size = _SMALL * min(1.0, room / text_width(_KEY, _SMALL))
     put_text(page, _KEY, (_EDGE, 70), size=size, colour=PALE_INK)
-    right = page.shape[1] - _EDGE
-    put_text(page, "1", (right, 40), size=0.5, align=1)
-    for step in range(140):
-        x = right - 160 + step
-        fill_polygon(page, _bar(x, 28, 1, 14), probability_colour(step / 139))
-    put_text(page, "p(collision)  0", (right - 168, 40), size=0.5, align=1)
-
-
-def _bar(x: float, y: float, width: float, height: float) -> Float64Array:
-    """Return the corners of an upright rectangle."""
-    corners = [[x, y], [x + width, y], [x + width, y + height], [x, y + height]]
-    return np.array(corners, dtype=np.float64)
+    draw_key(page, "collision", page.shape[1] - _EDGE, 40)
 
 
 def _draw_card(
     page: Image, card: Box, one: ExemplarPicture, view: tuple[SeenScan, float, float]
 ) -> None:
     """Draw one cluster: what it means, its exemplar two ways, and the image."""
-    p = _number(one.p_collision)
+    p = number(one.p_collision)
     colour = probability_colour(p)
     _draw_head(page, card, one)
     scan, top_m, half = view
@@ -182,8 +158,9 @@ def _draw_card(
 
 def _draw_head(page: Image, card: Box, one: ExemplarPicture) -> None:
     """Draw the two lines above a scan, and the probability as a bar with its interval."""
-    p, low, high = (_number(value) for value in (one.p_collision, one.p_low, one.p_high))
-    draw_line(page, _bar(card.x, card.y - 8, card.width, 0)[:2], GRID)
+    p, low, high = (number(value) for value in (one.p_collision, one.p_low, one.p_high))
+    rule = np.array([[card.x, card.y - 8.0], [card.right, card.y - 8.0]])
+    draw_line(page, rule, GRID)
     known = "no labels" if math.isnan(p) else f"p(collision) {p:.2f}"
     if not math.isnan(p + low + high):
         known += f"  [{low:.2f}, {high:.2f}]"
@@ -199,8 +176,7 @@ def _draw_head(page: Image, card: Box, one: ExemplarPicture) -> None:
         return
     left, length = card.x + _POLAR + _GAP, _PLOT
     y = card.y + 7
-    fill_polygon(page, _bar(left, y, length, 14), (238, 238, 238))
-    fill_polygon(page, _bar(left, y, length * p, 14), probability_colour(p))
+    draw_bar(page, Box(left, y, length, 14), p)
     if not math.isnan(low + high):
         whisker = np.array([[left + length * low, y + 7], [left + length * high, y + 7]])
         draw_line(page, whisker, INK, 2)

@@ -11,7 +11,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
-from typing import TextIO, TypeVar
+from types import TracebackType
+from typing import Generic, Self, TextIO, TypeVar
 
 import numpy as np
 
@@ -106,6 +107,32 @@ def write_csv(path: Path, row_type: type[Row], rows: Iterable[Row]) -> int:
     """
     with path.open("w", encoding="utf-8", errors="backslashreplace", newline="") as stream:
         return _write_rows(stream, row_type, rows)
+
+
+class TableWriter(Generic[Row]):
+    """Context manager that writes a table bit by bit, as :func:`write_csv` does at once."""
+
+    def __init__(self, path: Path, row_type: type[Row]) -> None:
+        self._names = columns_of(row_type)
+        self._stream = path.open("w", encoding="utf-8", errors="backslashreplace", newline="")
+        self._writer = csv.writer(_UnixLines(self._stream), lineterminator="\r\n")
+        self._writer.writerow(self._names)
+
+    def add(self, rows: Iterable[Row]) -> None:
+        """Append rows."""
+        for row in rows:
+            self._writer.writerow([cell_text(getattr(row, name)) for name in self._names])
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._stream.close()
 
 
 def csv_text(row_type: type[Row], rows: Iterable[Row]) -> str:

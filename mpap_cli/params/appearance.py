@@ -15,12 +15,15 @@ from mpap_cli.params.checks import (
 class StrapParams:
     """Streaming affinity propagation on two scales (sections 3.3 and 4.2.3)."""
 
-    eps: float = setting(0.18, "3.3", "fit radius: farther from every exemplar is an outlier")
+    eps: float = setting(0.27, "3.3", "fit radius: farther from every exemplar is an outlier")
     reservoir: int = setting(500, "4.2.3", "outliers kept before clusters are made anew")
     strap_window_s: float | None = setting(
         None, "3.3", "seconds after which a cluster counts half (none: counts are exact)"
     )
     weight_cap: int = setting(10, "3.3", "most that a cluster weighs when clusters are made anew")
+    exemplar_points: int = setting(
+        1, "ours", "outliers within eps of one another that make an exemplar (1: any outlier)"
+    )
     strap_distortion: bool = setting(
         False, "3.3", "distortion lowers the preference of a cluster when clusters are made anew"
     )
@@ -37,6 +40,8 @@ class StrapParams:
         if self.strap_window_s is not None:
             require_seconds("strap-window-s", self.strap_window_s)
         require(1 <= self.weight_cap <= MOST_COUNT, "weight-cap", self.weight_cap, "1 or more")
+        points = self.exemplar_points
+        require(1 <= points <= MOST_COUNT, "exemplar-points", points, "1 or more")
         delta, most = self.page_hinkley_delta, self.page_hinkley_lambda
         require(0 <= delta <= 1, "page-hinkley-delta", delta, "0 to 1")
         require(0 < most <= MOST_COUNT, "page-hinkley-lambda", most, "more than 0")
@@ -63,12 +68,15 @@ class ObstacleParams:
     driven_min_m: float = setting(
         0.1, "ours", "driven: odometry goes at least that far within driven-before-s"
     )
-    neighbors: int = setting(1, "4.2.5", "exemplars that are asked for the class of a patch")
+    driven_share: float = setting(
+        0.5, "ours", "driven: odometry goes that share of the farthest it went so within a log"
+    )
+    neighbors: int = setting(50, "4.2.5", "nearest exemplars that are asked about a patch")
     patch_threshold: float = setting(0.5, "4.2.5", "probability from which a patch is an obstacle")
     unknown: str = setting(
         "free", "4.2.6", "what an unknown patch is for the decision", ("free", "obstacle")
     )
-    front_rows: int = setting(3, "4.2.6", "free patches ahead that are needed to go straight")
+    front_rows: int = setting(4, "4.2.6", "free patches ahead that are needed to go straight")
 
     def __post_init__(self) -> None:
         """Check every value before its first use."""
@@ -77,6 +85,7 @@ class ObstacleParams:
         require_seconds("driven-before-s", self.driven_before_s)
         require_seconds("driven-after-s", self.driven_after_s, zero=True)
         require(0 <= self.driven_min_m <= 100, "driven-min-m", self.driven_min_m, "0 to 100")  # noqa: PLR2004
+        require(0 <= self.driven_share <= 1, "driven-share", self.driven_share, "0 to 1")
         require(1 <= self.neighbors <= 1000, "neighbors", self.neighbors, "1 to 1000")  # noqa: PLR2004
         share = self.patch_threshold
         require(0 <= share <= 1, "patch-threshold", share, "0 to 1")

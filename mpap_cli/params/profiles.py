@@ -59,6 +59,7 @@ PROFILES: dict[str, dict[str, str]] = {
         "learn-target": "contact",
         "readout": "exemplar",
         "obstacle-labels": "plain",
+        "neighbors": "1",
     },
 }
 

@@ -71,8 +71,33 @@ def kernel_mean(
         Probabilities.
     """
     nearest = k_nearest(squared, kernel.neighbours)
-    weights = np.exp(np.take_along_axis(squared, nearest, axis=1) / (-2.0 * kernel.theta**2))
-    near = counts[nearest]
-    positive = (weights * near[:, :, 1]).sum(axis=1) + kernel.prior_counts * base_rate
-    total = (weights * near.sum(axis=2)).sum(axis=1) + kernel.prior_counts
+    return mean_of_counts(
+        np.take_along_axis(squared, nearest, axis=1), counts[nearest], base_rate, kernel
+    )
+
+
+def mean_of_counts(
+    squared: Float64Array, counts: IntArray, base_rate: float, kernel: Kernel
+) -> Float64Array:
+    """Return the mean of the counts of references that were found, the nearer the weightier.
+
+    Parameters
+    ----------
+    squared : ndarray of shape (m, k)
+        Squared distances of m observations to k references each.
+    counts : ndarray of shape (m, k, 2)
+        Negatives and positives of these references.
+    base_rate : float
+        Where nothing is near.
+    kernel : Kernel
+        Weights exp(-d^2 / 2 theta^2).
+
+    Returns
+    -------
+    ndarray of shape (m,)
+        Probabilities.
+    """
+    weights = np.exp(squared / (-2.0 * kernel.theta**2))
+    positive = (weights * counts[:, :, 1]).sum(axis=1) + kernel.prior_counts * base_rate
+    total = (weights * counts.sum(axis=2)).sum(axis=1) + kernel.prior_counts
     return np.asarray(positive / total, dtype=np.float64)

@@ -55,6 +55,19 @@ class Visits:
         )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Sightings:
+    """What was seen of clusters: arrays of shape (n,), in time order.
+
+    ``ids`` tell what took each observation in, ``press_ns`` is the start of the press that
+    it belongs to, -1 if there is none.
+    """
+
+    stamps_ns: IntArray
+    ids: IntArray
+    press_ns: IntArray
+
+
 class VisitSpool:
     """Runs of observations, kept in a temporary file until their clusters are known.
 
@@ -66,12 +79,12 @@ class VisitSpool:
         self._file = tempfile.SpooledTemporaryFile(max_size=_IN_MEMORY_BYTES)  # noqa: SIM115  # lives as long as the model
         self.close = weakref.finalize(self, self._file.close)
 
-    def add(self, settled: SettledLabels, labels: Int8Array, log_index: int) -> None:
+    def add(self, settled: SettledLabels | Sightings, labels: Int8Array, log_index: int) -> None:
         """Append observations of one log, in time order.
 
         Parameters
         ----------
-        settled : SettledLabels
+        settled : SettledLabels or Sightings
             Stamps, ids and presses of n observations.
         labels : ndarray of shape (n,)
             1, 0 or -1: the target that the clusters are shown for.

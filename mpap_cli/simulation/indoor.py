@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from mpap_cli.simulation.world import World, WorldBuilder, turned_corners
+from mpap_cli.simulation.world import Body, World, WorldBuilder, turned_corners
 
 _Area = tuple[float, float, float, float]
 
@@ -30,9 +30,12 @@ def build_indoor(rng: np.random.Generator) -> World:
     for y in ys[1:-1]:
         for x0, x1 in itertools.pairwise(xs):
             _add_wall_with_door(builder, (float(x0), float(y)), (float(x1), float(y)))
-    for x0, x1 in itertools.pairwise(xs):
-        for y0, y1 in itertools.pairwise(ys):
-            _furnish(builder, (float(x0), float(y0), float(x1), float(y1)))
+    for i, (x0, x1) in enumerate(itertools.pairwise(xs)):
+        for j, (y0, y1) in enumerate(itertools.pairwise(ys)):
+            room = (float(x0), float(y0), float(x1), float(y1))
+            _furnish(builder, room)
+            if (i + j) % 2:
+                builder.rooms.append(room)
     return builder.build((0.4, 0.4, width - 0.4, height - 0.4))
 
 
@@ -98,6 +101,8 @@ def _add_table(builder: WorldBuilder, inner: _Area) -> None:
         if _inside(seat, inner):
             for corner in turned_corners(seat, (0.4, 0.4), angle):
                 builder.add_circle("chair leg", corner, 0.012)
+            plate = tuple(turned_corners(seat, (0.43, 0.43), angle))
+            builder.bodies.append(Body("chair seat", plate, bottom_m=0.41))
     builder.footprints.append((*place, max(size) / 2))
 
 

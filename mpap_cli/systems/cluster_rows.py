@@ -1,10 +1,12 @@
 """The rows of clusters.csv: what each cluster has seen, and how often it meant a collision."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypedDict
 
+from mpap_cli.clustering.meta_points import MetaPoints
+from mpap_cli.clustering.two_scale import TwoScale
 from mpap_cli.observations import NS_PER_S, Float64Array, IntArray
 from mpap_cli.params import TARGETS, Settings
 from mpap_cli.properties.counts import cluster_counts, jeffreys, ratio
@@ -97,21 +99,22 @@ def make_cluster_rows(parts: ModelParts, visits: Visits) -> list[ClusterRow]:
             non_collisions=int(counts[cluster, 0]),
             presses=int(visits.presses[cluster]),
             visits=int(visits.visits[cluster]),
-            p_collision=_cell(shares[cluster]),
-            p_low=_cell(lows[cluster]),
-            p_high=_cell(highs[cluster]),
-            **_members(parts, cluster),
+            p_collision=cell(shares[cluster]),
+            p_low=cell(lows[cluster]),
+            p_high=cell(highs[cluster]),
+            **describe_members(parts.logs, parts.meta_points, members, exemplar),
         )
-        for cluster in range(clustered.n_clusters)
+        for cluster, (members, exemplar) in enumerate(_rows_of_clusters(parts))
     ]
 
 
-def _cell(value: float) -> float | None:
+def cell(value: float) -> float | None:
+    """Return a figure for a table, None in place of NaN."""
     return None if math.isnan(value) else float(value)
 
 
-class _Members(TypedDict):
-    """Columns that tell of the meta-points of a cluster."""
+class MemberColumns(TypedDict):
+    """Columns that tell of the meta-points or exemplars that a cluster is made of."""
 
     observations: int
     meta_points: int
@@ -122,25 +125,30 @@ class _Members(TypedDict):
     last_seen_s: float
 
 
-def _members(parts: ModelParts, cluster: int) -> _Members:
-    """Describe the meta-points of one cluster."""
-    points, clustering = parts.meta_points, parts.clustered.clustering
-    rows = points.rows_of(parts.clustered.ids)
-    exemplar = rows[clustering.exemplars[cluster]]
-    members = rows[clustering.labels == cluster]
+def describe_members(
+    logs: Sequence[LogSource], points: MetaPoints | TwoScale, members: IntArray, exemplar: int
+) -> MemberColumns:
+    """Describe one cluster, given the rows of its members and of its exemplar."""
     log = int(points.exemplar_log[exemplar])
     stamp_ns = int(points.exemplar_stamp_ns[exemplar])
-    firsts = [_place(parts.logs, log, first) for first in points.first_ns[members].tolist()]
-    lasts = [_place(parts.logs, log, last) for last in points.last_ns[members].tolist()]
-    return _Members(
+    firsts = [_place(logs, log, first) for first in points.first_ns[members].tolist()]
+    lasts = [_place(logs, log, last) for last in points.last_ns[members].tolist()]
+    return MemberColumns(
         observations=int(points.count[members].sum()),
         meta_points=members.size,
-        exemplar_log=parts.logs[log].name,
-        exemplar_time_s=(stamp_ns - parts.logs[log].start_ns) / NS_PER_S,
+        exemplar_log=logs[log].name,
+        exemplar_time_s=(stamp_ns - logs[log].start_ns) / NS_PER_S,
         exemplar_stamp_ns=stamp_ns,
         first_seen_s=min(firsts)[1] / NS_PER_S,
         last_seen_s=max(lasts)[1] / NS_PER_S,
     )
+
+
+def _rows_of_clusters(parts: ModelParts) -> Iterator[tuple[IntArray, int]]:
+    """Yield the meta-points of each cluster and its exemplar, as rows."""
+    rows, clustering = parts.meta_points.rows_of(parts.clustered.ids), parts.clustered.clustering
+    for cluster, exemplar in enumerate(clustering.exemplars):
+        yield rows[clustering.labels == cluster], int(rows[exemplar])
 
 
 def _place(logs: Sequence[LogSource], otherwise: int, stamp_ns: int) -> tuple[int, int]:

@@ -19,7 +19,7 @@ from mpap_cli.observations import (
     ScanBlock,
 )
 from mpap_cli.params import Settings
-from mpap_cli.properties.counts import SettledLabels, count_labels
+from mpap_cli.properties.counts import LabelQueue, SettledLabels, count_labels
 from mpap_cli.properties.visits import Visits, VisitSpool
 from mpap_cli.systems.cluster_rows import ClusterRow, make_cluster_rows, pair_of
 from mpap_cli.systems.labelling import LogLabeller, LogSource, LogStart
@@ -57,7 +57,8 @@ class _OpenLog:
 
     start: LogStart
     embedder: ScanEmbedder
-    labeller: LogLabeller
+    queue: LabelQueue
+    labeller: LogLabeller[SettledLabels]
     n_scans: int = 0
     clustered_ns: int | None = None
 
@@ -115,10 +116,12 @@ class CollisionModel:
 
     def begin_log(self, start: LogStart) -> None:
         """Start to replay a log; features and labels do not look back beyond it."""
+        queue = LabelQueue(self.settings.properties, self.settings.bumper)
         self._log = _OpenLog(
             start,
             ScanEmbedder(self.settings.scan, start.forward_rad, start.range_max),
-            LogLabeller(self.settings, start),
+            queue,
+            LogLabeller(start, self.settings.bumper, queue),
         )
 
     def observe(self, batch: Batch) -> tuple[LearntBlock, ...]:
@@ -143,7 +146,7 @@ class CollisionModel:
         ids, cases = self.meta_points.add_data_points(
             features.features, features.stamps_ns, len(self.logs)
         )
-        log.labeller.add(features.stamps_ns, ids)
+        log.queue.add(features.stamps_ns, ids)
         log.n_scans += ids.size
         return LearntBlock(features, ids, cases)
 

@@ -2,22 +2,25 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
 
-from mpap_cli.observations import Bump, IntArray, ObservedLog, Press
-from mpap_cli.params import Settings
-from mpap_cli.properties.counts import LabelQueue, SettledLabels
+from mpap_cli.observations import Bump, Int8Array, ObservedLog, Press
+from mpap_cli.params import BumperParams
 from mpap_cli.properties.labels import NO_LABEL
 from mpap_cli.properties.presses import PressTracker
 
 
 @dataclass(frozen=True, slots=True)
 class LogSource:
-    """A log that a model has learnt from; ``n_presses`` is None if it has no bumper."""
+    """A log that a model has learnt from.
+
+    ``n_observations`` are its scans or images; ``n_presses`` is None if it has no bumper.
+    """
 
     name: str
     start_ns: int
     end_ns: int
-    n_scans: int
+    n_observations: int
     n_presses: int | None
     bump_source: str
 
@@ -54,13 +57,15 @@ class LogStart:
             bump_source=log.bump_source,
         )
 
-    def source(self, end_ns: int, n_scans: int, presses: tuple[Press, ...] | None) -> LogSource:
+    def source(
+        self, end_ns: int, n_observations: int, presses: tuple[Press, ...] | None
+    ) -> LogSource:
         """Return what is remembered of the log when it has been learnt."""
         return LogSource(
             name=self.name,
             start_ns=self.start_ns,
             end_ns=end_ns,
-            n_scans=n_scans,
+            n_observations=n_observations,
             n_presses=None if presses is None else len(presses),
             bump_source=self.bump_source,
         )
@@ -71,26 +76,58 @@ class LogStart:
         return self.bump_kind is not None or self.presses is not None
 
 
-class LogLabeller:
-    """Labels the observations of one log as soon as the presses around them are known."""
+class _Settled(Protocol):
+    """Observations with labels that do not change any more."""
 
-    def __init__(self, settings: Settings, start: LogStart) -> None:
+    @property
+    def labels(self) -> Int8Array: ...
+
+
+SettledT_co = TypeVar("SettledT_co", bound=_Settled, covariant=True)
+
+
+class WaitingLabels(Protocol[SettledT_co]):
+    """Observations that wait until the presses around them are known."""
+
+    @property
+    def needs_presses_from_ns(self) -> int | None:
+        """Presses that end at or before this stamp do not matter (None: none does)."""
+
+    def settle(self, presses: Sequence[Press], until_ns: int) -> SettledT_co:
+        """Let go what does not change by anything after ``until_ns``."""
+
+    def end(self, presses: Sequence[Press]) -> SettledT_co:
+        """Let go everything."""
+
+
+class LogLabeller(Generic[SettledT_co]):
+    """Labels the observations of one log as soon as the presses around them are known.
+
+    Parameters
+    ----------
+    start : LogStart
+        Tells where presses come from.
+    bumper : BumperParams
+        How bumper messages become presses.
+    queue : WaitingLabels
+        Where the observations wait.
+    """
+
+    def __init__(
+        self, start: LogStart, bumper: BumperParams, queue: WaitingLabels[SettledT_co]
+    ) -> None:
         self._start = start
-        self._queue = LabelQueue(settings.properties, settings.bumper)
+        self._queue = queue
         self._tracker: PressTracker | None = None
         if start.presses is None and start.bump_kind is not None:
-            self._tracker = PressTracker(start.bump_kind, settings.bumper, start.hold_s)
+            self._tracker = PressTracker(start.bump_kind, bumper, start.hold_s)
 
     @property
     def presses(self) -> tuple[Press, ...] | None:
         """Presses so far; None if the log has no bumper."""
         return self._start.presses if self._tracker is None else self._tracker.presses
 
-    def add(self, stamps_ns: IntArray, ids: IntArray) -> None:
-        """Let observations, both arrays of shape (n,), wait for their labels."""
-        self._queue.add(stamps_ns, ids)
-
-    def settle(self, bumps: Sequence[Bump], until_ns: int) -> SettledLabels:
+    def settle(self, bumps: Sequence[Bump], until_ns: int) -> SettledT_co:
         """Take in the bumps up to ``until_ns`` and return what is settled by them."""
         if self._tracker is not None:
             self._tracker.add(bumps)
@@ -99,13 +136,13 @@ class LogLabeller:
             return self._end_queue()
         return self._queue.settle(self._presses_that_matter(), until_ns)
 
-    def end(self, end_ns: int) -> SettledLabels:
+    def end(self, end_ns: int) -> SettledT_co:
         """Close the log, whose last message is stamped ``end_ns``, and return the rest."""
         if self._tracker is not None:
             self._tracker.end(end_ns)
         return self._end_queue()
 
-    def _end_queue(self) -> SettledLabels:
+    def _end_queue(self) -> SettledT_co:
         settled = self._queue.end(self._presses_that_matter())
         if not self._start.has_labels:
             settled.labels[:] = NO_LABEL

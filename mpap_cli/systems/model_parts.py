@@ -1,20 +1,21 @@
 """What a collision model is made of, and its form as arrays and a header for a file."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpap_cli.clustering.meta_points import MetaPoints
-from mpap_cli.errors import ModelError, SettingError
+from mpap_cli.errors import ModelError
 from mpap_cli.observations import Clustering, IntArray
-from mpap_cli.params import Settings, make_settings, settings_values
+from mpap_cli.params import Settings
 from mpap_cli.properties.contact_map import ContactMap
 from mpap_cli.properties.counts import ClusteredPoints
 from mpap_cli.properties.visits import Visits
 from mpap_cli.systems.labelling import LogSource
+from mpap_cli.systems.model_arrays import are_within, make_header, read_array, read_header
 
 KIND = "mpap collision model"
 VERSION = 1
@@ -45,6 +46,16 @@ class CarriedVisits:
         cluster = clustered.clusters_of(self.ids)
         np.add.at(sums, cluster[cluster >= 0], self.counts[cluster >= 0])
         return Visits(*sums.T)
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the arrays for a file; :meth:`read` is the inverse."""
+        return {"visits.ids": self.ids, "visits.counts": self.counts}
+
+    @classmethod
+    def read(cls, arrays: Mapping[str, NDArray[Any]]) -> "CarriedVisits":
+        """Return those of a file; ModelError if an array is missing or of another shape."""
+        ids = read_array(arrays, "visits.ids", (None,))
+        return cls(ids, read_array(arrays, "visits.counts", (None, 4)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,25 +103,15 @@ def pack(parts: ModelParts) -> ModelState:
         parts.contact_map.slope,
         parts.contact_map.offset,
     )
-    header = {
-        "kind": KIND,
-        "version": VERSION,
-        "profile": parts.settings.profile,
-        "settings": settings_values(parts.settings),
-        "logs": [asdict(log) for log in parts.logs],
-        "n_iter": clustering.n_iter,
-        "converged": clustering.converged,
-    }
     arrays = {
         "clustering.ids": parts.clustered.ids,
         "clustering.exemplars": clustering.exemplars,
         "clustering.labels": clustering.labels,
         "clustering.figures": np.array(figures, dtype=np.float64),
-        "visits.ids": parts.carried.ids,
-        "visits.counts": parts.carried.counts,
+        **parts.carried.arrays(),
     }
     arrays |= {_META + name: array for name, array in parts.meta_points.state().items()}
-    return ModelState(header, arrays)
+    return ModelState(make_header(KIND, VERSION, parts.settings, parts.logs, clustering), arrays)
 
 
 def unpack(state: ModelState) -> ModelParts:
@@ -121,77 +122,33 @@ def unpack(state: ModelState) -> ModelParts:
     ModelError
         If a part is missing, of another version, or does not fit the others.
     """
-    header, arrays = state.header, state.arrays
-    if header.get("kind") != KIND or header.get("version") != VERSION:
-        found = f"{header.get('kind')!r} version {header.get('version')!r}"
-        msg = f"model: found {found}, expected {KIND!r} version {VERSION}; learn it again"
-        raise ModelError(msg)
-    try:
-        settings = make_settings(header["profile"], header["settings"])
-        logs = tuple(_log_source(log) for log in header["logs"])
-        n_iter, converged = int(header["n_iter"]), bool(header["converged"])
-    except (KeyError, TypeError, ValueError, AttributeError, SettingError) as err:
-        msg = f"model: its header does not fit this version ({err!r}); learn it again"
-        raise ModelError(msg) from err
-    figures = _array(arrays, "clustering.figures", (len(_FIGURES),), np.float64)
+    arrays = state.arrays
+    header = read_header(state.header, KIND, VERSION)
+    figures = read_array(arrays, "clustering.figures", (len(_FIGURES),), np.float64)
     damping, net_similarity, preference, slope, offset = figures.tolist()
     clustering = Clustering(
-        _array(arrays, "clustering.exemplars", (None,)),
-        _array(arrays, "clustering.labels", (None,)),
-        n_iter,
-        converged,
+        read_array(arrays, "clustering.exemplars", (None,)),
+        read_array(arrays, "clustering.labels", (None,)),
+        header.n_iter,
+        header.converged,
         damping,
         net_similarity,
         preference,
     )
     parts = ModelParts(
-        settings,
-        MetaPoints.from_state(settings.meta_point, _meta_point_arrays(arrays)),
-        ClusteredPoints(clustering, _array(arrays, "clustering.ids", (None,))),
+        header.settings,
+        MetaPoints.from_state(header.settings.meta_point, _meta_point_arrays(arrays)),
+        ClusteredPoints(clustering, read_array(arrays, "clustering.ids", (None,))),
         ContactMap(slope, offset),
-        CarriedVisits(
-            _array(arrays, "visits.ids", (None,)), _array(arrays, "visits.counts", (None, 4))
-        ),
-        logs,
+        CarriedVisits.read(arrays),
+        header.logs,
     )
     _check(parts)
     return parts
 
 
-def _log_source(log: Mapping[str, Any]) -> LogSource:
-    n_presses = log["n_presses"]
-    return LogSource(
-        name=str(log["name"]),
-        start_ns=int(log["start_ns"]),
-        end_ns=int(log["end_ns"]),
-        n_scans=int(log["n_scans"]),
-        n_presses=None if n_presses is None else int(n_presses),
-        bump_source=str(log["bump_source"]),
-    )
-
-
 def _meta_point_arrays(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     return {name[len(_META) :]: array for name, array in arrays.items() if name.startswith(_META)}
-
-
-def _array(
-    arrays: Mapping[str, NDArray[Any]],
-    name: str,
-    shape: tuple[int | None, ...],
-    dtype: type[np.generic] = np.int64,
-) -> NDArray[Any]:
-    """Return one array of the file if it has the shape (None: any) and dtype."""
-    array = arrays.get(name)
-    if array is None:
-        msg = f"model: no array {name} in it; learn it again"
-        raise ModelError(msg)
-    sizes_fit = len(shape) == array.ndim and all(
-        wanted in (None, found) for wanted, found in zip(shape, array.shape, strict=True)
-    )
-    if not sizes_fit or array.dtype != dtype:
-        msg = f"model: {name} is {array.dtype} {array.shape}, expected {shape}; learn it again"
-        raise ModelError(msg)
-    return array
 
 
 def _check(parts: ModelParts) -> None:
@@ -205,21 +162,17 @@ def _check(parts: ModelParts) -> None:
         "clustering.ids": (np.diff(ids) > 0).all()
         and (rows >= 0).all()
         and points.is_cluster_point[rows].all(),
-        "clustering.exemplars": _within(clustering.exemplars, ids.size)
+        "clustering.exemplars": are_within(clustering.exemplars, ids.size)
         and (np.diff(clustering.exemplars) > 0).all(),
         "clustering.labels": clustering.labels.size == ids.size
-        and _within(clustering.labels, n_clusters),
+        and are_within(clustering.labels, n_clusters),
         "clustering.figures": np.isfinite(slope_offset).all() and slope_offset[0] > 0,
         "visits.ids": carried.ids.size == carried.counts.shape[0]
         and np.isin(carried.ids, ids).all(),
         "visits.counts": (carried.counts >= 0).all(),
-        "logs": _within(points.exemplar_log, n_logs),
+        "logs": are_within(points.exemplar_log, n_logs),
     }
     for name, holds in checks.items():
         if not holds:
             msg = f"model: {name} does not fit its meta-points; learn it again"
             raise ModelError(msg)
-
-
-def _within(indices: IntArray, size: int) -> bool:
-    return bool(((indices >= 0) & (indices < size)).all())

@@ -14,7 +14,7 @@ from mpap_cli.logs.writing.writer import LogWriter
 from tests.cli.conftest import SCAN, STEP_NS, scan_message
 
 IMAGE = "sensor_msgs/msg/CompressedImage"
-JPEG = cv2.imencode(".jpg", np.zeros((30, 40, 3), np.uint8))[1].tobytes()
+JPEG = cv2.imencode(".jpg", np.full((30, 40, 3), 90, np.uint8))[1].tobytes()
 NO_JPEG = b"no image at all"
 
 
@@ -46,11 +46,11 @@ def broken(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 def test_learn_leaves_out_pictures_that_are_broken(
     tmp_path: Path, run: Callable[..., Any], broken: Path
 ) -> None:
-    """One warning with a count; the exemplars are drawn without, the exit code stays 0."""
+    """One warning with a count; the scans are learnt without, and the exit code tells."""
     outcome = run("learn", broken, "-o", tmp_path / "out")
 
-    assert outcome.code == 0
-    told = [line for line in outcome.err.splitlines() if "could not be decoded" in line]
+    assert outcome.code == 3
+    told = [line for line in outcome.err.splitlines() if "60 images" in line]
     assert len(told) == 1
     assert told[0].startswith("mpap: camera.bag: ")
     assert (tmp_path / "out" / "learn" / "exemplars.png").is_file()

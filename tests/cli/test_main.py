@@ -86,7 +86,7 @@ def test_the_examples_of_simulate_can_be_pasted(run: Callable[..., Any], tmp_pat
         outcome = run("simulate", tmp_path / name, *words.split(), "--duration", "5")
 
         assert outcome.code == 0
-    assert len(examples) == 2
+    assert len(examples) == 3
 
 
 @pytest.mark.parametrize("name", list(COMMANDS))

@@ -37,7 +37,7 @@ def test_choices_are_those_of_the_code() -> None:
 
 def test_every_field_of_the_selection_has_its_option() -> None:
     """What can be said of logs has a name on the command line."""
-    assert set(OPTIONS) == {item.name for item in fields(LogSelection)} - {"logs"}
+    assert set(OPTIONS) == {item.name for item in fields(LogSelection)} - {"logs", "sensor", "once"}
     for command in ("info", "learn", "evaluate", "predict"):
         assert set(OPTIONS.values()) <= options_of(command)
 

@@ -94,10 +94,11 @@ def test_a_long_stream_of_histograms_is_exact_too(theta: float, reference: str) 
     assert_same(found, points, np.arange(700), [1, 2, 50, 51, 300])
 
 
-def test_kernels_run_as_plain_python(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("exemplar", ["first", "closest"])
+def test_kernels_run_as_plain_python(monkeypatch: pytest.MonkeyPatch, exemplar: str) -> None:
     """The loops mean the same without compilation."""
     params = MetaPointParams(
-        theta=3.5, min_points=3, exemplar="closest", noise_ttl=9e-9, max_noise=5
+        theta=3.5, min_points=3, exemplar=exemplar, noise_ttl=9e-9, max_noise=5
     )
     points = np.random.default_rng(3).normal(size=(80, 18)).astype(np.float32)
     points[20::3] = 0.6 * points[1::3][:20]

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 from mpap_cli.clustering.affinity_propagation import affinity_propagation
-from mpap_cli.clustering.preference import preference_range, resolve_preference
+from mpap_cli.clustering.preference import (
+    coarse_preference,
+    preference_range,
+    resolve_preference,
+)
 from mpap_cli.errors import SettingError
 from mpap_cli.observations import Float64Array
 from mpap_cli.params import AffinityParams
@@ -36,6 +40,12 @@ def test_rules_go_by_the_entries_beside_the_diagonal(rule: str, expected: float)
     s = np.array([[9.0, -1.0, -4.0], [-1.0, 9.0, -2.0], [-4.0, -2.0, 9.0]])
 
     assert resolve_preference(s, rule) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("n", "preference"), [(2, -0.5), (50, -0.5), (75, -0.75), (500, -5.0)])
+def test_the_coarse_preference_grows_with_the_number_of_items(n: int, preference: float) -> None:
+    """It is the median up to 50 items and n / 50 times the median from there on."""
+    assert coarse_preference(np.full((n, n), -0.5)) == pytest.approx(preference)
 
 
 def test_forbidden_pairs_do_not_count() -> None:

@@ -34,7 +34,8 @@ def write(tmp_path_factory: pytest.TempPathFactory) -> Write:
         if key not in written:
             suffix = SUFFIXES.get(params["container"], ".mcap")
             path = tmp_path_factory.mktemp("log") / f"run{suffix}"
-            simulate(path, duration_s=DURATION_S, seed=SEED, no_return="zero", **params)
+            settings = {"duration_s": DURATION_S, "seed": SEED, "no_return": "zero", **params}
+            simulate(path, None, **settings)
             written[key] = path
         return written[key]
 

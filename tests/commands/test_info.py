@@ -131,10 +131,10 @@ def test_a_model_says_what_it_knows(made: Made, words: tuple[str, ...]) -> None:
     of_folder, of_file = facts_of(out, out / "learn" / "model.npz")
 
     assert of_folder["logs"] == [
-        {"name": "indoor-a.bag", "scans": 800, "presses": 5},
-        {"name": "indoor-a2.mcap", "scans": 800, "presses": 6},
+        {"name": "indoor-a.bag", "scans": 800, "images": None, "presses": 5},
+        {"name": "indoor-a2.mcap", "scans": 800, "images": None, "presses": 6},
     ]
-    assert of_folder["scans"] == 1600
+    assert (of_folder["image_clusters"], of_folder["exemplars"]) == (None, None)
     assert of_folder["profile"] == ("paper" if words else "robust")
     assert {**of_folder, "path": ""} == {**of_file, "path": ""}
 

@@ -55,8 +55,8 @@ def test_observations_are_those_of_the_cluster_points(made: Made, words: tuple[s
 
     rows = rows_of(out / "learn" / "clusters.csv")
     with np.load(out / "learn" / "model.npz") as model:
-        count = model["meta_points.point_count"]
-        kept = model["meta_points.is_cluster_point"]
+        count = model["collision.meta_points.point_count"]
+        kept = model["collision.meta_points.is_cluster_point"]
     assert total(rows, "observations") == count[kept].sum()
     assert total(rows, "meta_points") == kept.sum()
     assert count.sum() == 1600
@@ -181,8 +181,8 @@ def test_start_and_end_cut_each_log(tmp_path: Path) -> None:
     assert min(float(row["first_seen_s"]) for row in rows) >= 20
     assert max(float(row["last_seen_s"]) for row in rows) <= 50
     with np.load(tmp_path / "out" / "learn" / "model.npz") as model:
-        header = json.loads(bytes(model["header"]))["header"]
-    assert [log["n_scans"] for log in header["logs"]] == [300, 300]
+        header = json.loads(bytes(model["header"]))["header"]["collision"]
+    assert [log["n_observations"] for log in header["logs"]] == [300, 300]
 
 
 @pytest.mark.parametrize("shape", ["json", "csv"])

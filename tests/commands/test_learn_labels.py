@@ -74,8 +74,8 @@ def test_every_fixture_log_can_be_learnt(
     out = made("learn", FIXTURES / name)
 
     with np.load(out / "learn" / "model.npz") as model:
-        header = json.loads(bytes(model["header"]))["header"]
+        header = json.loads(bytes(model["header"]))["header"]["collision"]
     log = header["logs"][0]
-    assert (log["name"], log["n_scans"], log["n_presses"]) == (name, n_scans, n_presses)
+    assert (log["name"], log["n_observations"], log["n_presses"]) == (name, n_scans, n_presses)
     rows = rows_of(out / "learn" / "clusters.csv")
     assert total(rows, "collisions") > 0

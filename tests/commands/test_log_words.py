@@ -156,7 +156,10 @@ def test_models_as_csv(made: Made, tmp_path: Path) -> None:
     table.write_text(done("info", model, "--format", "csv").out, encoding="utf-8")
 
     rows = rows_of(table)
-    columns = "path profile feature bins clusters meta_points log scans presses"
+    columns = (
+        "path profile feature bins clusters meta_points image_clusters exemplars "
+        "log scans images presses"
+    )
     assert header_of(table) == columns
     clusters = str(len(rows_of(model / "learn" / "clusters.csv")))
     assert [

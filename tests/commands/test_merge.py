@@ -56,8 +56,8 @@ def test_the_order_of_the_models_does_not_matter(
 def counted(model: Path, command: str) -> list[int]:
     """Return scans, and labels of every kind, over all meta-points of a model."""
     with np.load(model / command / "model.npz") as arrays:
-        labels = arrays["meta_points.label_counts"].sum(axis=0)
-        return [int(arrays["meta_points.point_count"].sum()), *labels.ravel().tolist()]
+        labels = arrays["collision.meta_points.label_counts"].sum(axis=0)
+        return [int(arrays["collision.meta_points.point_count"].sum()), *labels.ravel().tolist()]
 
 
 @pytest.mark.parametrize("logs", [(BAG,), (BAG, MCAP), LOGS])

@@ -35,6 +35,19 @@ FACTS = [
     "presses_announced",
     "median_lead_s",
     "false_alarms_per_min",
+    "images",
+    "patches",
+    "obstacle_patches",
+    "unknown_patches",
+    "straight",
+    "rotate_left",
+    "rotate_right",
+    "stop",
+    "contacts",
+    "contacts_foreseen",
+    "stopping_distance_m",
+    "stopping_distance_sd_m",
+    "stops_measured",
 ]
 
 

@@ -1,51 +1,19 @@
 """Every container gives the same messages; words become paths."""
 
 import tempfile
-from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from mpap_cli.errors import LogError, UsageError
-from mpap_cli.logs.reader import LogReader, expand_paths, open_log
-
-Rows = Sequence[tuple[str, int, str]]
-WriteLog = Callable[[str, Rows], Path]
-
-START_NS = 1_700_000_000_000_000_000
-# Stamps go back now and then, by less and by more than a chunk.
-ROWS = [
-    (
-        ("/left", "/right", "/rare")[0 if number % 7 else 2 if number % 2 else 1],
-        START_NS + 1_000 * number - (20_000 if number % 11 == 5 else 0),
-        f"message number {number}",
-    )
-    for number in range(120)
-]
-IN_ORDER = sorted(ROWS, key=lambda row: row[1])
-
-
-def read(
-    reader: LogReader, topics: Sequence[str] | None = None, **window: int
-) -> list[tuple[str, int, str]]:
-    """Return the rows that were written."""
-    names = [topic.name for topic in reader.topics] if topics is None else topics
-    return [
-        (message.topic.name, message.stamp_ns, text_of(reader.decode(message)))
-        for message in reader.messages(names, **window)
-    ]
-
-
-def text_of(decoded: object) -> str:
-    """Return the text of a decoded string message."""
-    found: str = decoded["data"] if isinstance(decoded, dict) else vars(decoded)["data"]
-    return found
+from mpap_cli.logs.reader import expand_paths, open_log
+from tests.logs.rows import IN_ORDER, SHUFFLED, WriteLog, read
 
 
 def test_messages_come_in_time_order(write_log: WriteLog, log_kind: str) -> None:
     """All messages, each decoded, sorted by log time, although the file is not."""
-    path = write_log(log_kind, ROWS)
+    path = write_log(log_kind, SHUFFLED)
 
     with open_log(path) as reader:
         found = read(reader)
@@ -56,7 +24,7 @@ def test_messages_come_in_time_order(write_log: WriteLog, log_kind: str) -> None
 
 def test_runs_hold_the_same_messages(write_log: WriteLog, log_kind: str) -> None:
     """Group by group, within a window too, each topic in the order of its messages."""
-    path = write_log(log_kind, ROWS)
+    path = write_log(log_kind, SHUFFLED)
     names = {"/left", "/right", "/rare"}
 
     for window in ({}, {"start_ns": IN_ORDER[30][1], "end_ns": IN_ORDER[80][1]}):
@@ -80,16 +48,16 @@ def test_runs_hold_the_same_messages(write_log: WriteLog, log_kind: str) -> None
 
 def test_topics_tell_counts_and_times(write_log: WriteLog, log_kind: str) -> None:
     """The index, or what replaces it, is exact."""
-    path = write_log(log_kind, ROWS)
+    path = write_log(log_kind, SHUFFLED)
 
     with open_log(path) as reader:
         topics = {topic.name: topic for topic in reader.topics}
 
     assert {name: topic.n_messages for name, topic in topics.items()} == {
-        name: sum(row[0] == name for row in ROWS) for name in ("/left", "/rare", "/right")
+        name: sum(row[0] == name for row in SHUFFLED) for name in ("/left", "/rare", "/right")
     }
     assert list(topics) == sorted(topics)
-    assert reader.n_messages == len(ROWS)
+    assert reader.n_messages == len(SHUFFLED)
     assert (reader.start_ns, reader.end_ns) == (IN_ORDER[0][1], IN_ORDER[-1][1])
     encodings = {"bag": "ros1", "mcap-ros1": "ros1", "mcap-json": "json"}
     kind = log_kind if log_kind in encodings else log_kind.split("-", maxsplit=1)[0]
@@ -101,7 +69,7 @@ def test_topics_tell_counts_and_times(write_log: WriteLog, log_kind: str) -> Non
 
 def test_only_chosen_topics_come(write_log: WriteLog, log_kind: str) -> None:
     """Names that the log does not hold are passed over."""
-    path = write_log(log_kind, ROWS)
+    path = write_log(log_kind, SHUFFLED)
 
     with open_log(path) as reader:
         rare = read(reader, ["/rare", "/no/such/topic"])
@@ -113,7 +81,7 @@ def test_only_chosen_topics_come(write_log: WriteLog, log_kind: str) -> None:
 
 def test_window_takes_its_start_and_leaves_its_end(write_log: WriteLog, log_kind: str) -> None:
     """Start <= t < end."""
-    path = write_log(log_kind, ROWS)
+    path = write_log(log_kind, SHUFFLED)
     start_ns, end_ns = IN_ORDER[30][1], IN_ORDER[80][1]
 
     with open_log(path) as reader:
@@ -127,13 +95,13 @@ def test_window_takes_its_start_and_leaves_its_end(write_log: WriteLog, log_kind
 
 def test_log_is_read_again_and_twice_at_once(write_log: WriteLog, log_kind: str) -> None:
     """Two streams do not disturb one another."""
-    path = write_log(log_kind, ROWS)
+    path = write_log(log_kind, SHUFFLED)
 
     with open_log(path) as reader:
         one, two = (reader.messages(["/left"]) for _ in range(2))
         pairs = list(zip(one, two, strict=True))
 
-    assert len(pairs) == sum(row[0] == "/left" for row in ROWS)
+    assert len(pairs) == sum(row[0] == "/left" for row in SHUFFLED)
     assert all(first == second for first, second in pairs)
 
 
@@ -141,7 +109,7 @@ def test_log_and_its_folder_stay_as_they_are(
     write_log: WriteLog, log_kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nothing is written beside the log, and no temporary file is left."""
-    path = write_log(log_kind, ROWS)
+    path = write_log(log_kind, SHUFFLED)
     scratch = tmp_path / "scratch"
     scratch.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(scratch))
@@ -167,7 +135,7 @@ def test_log_without_messages_is_no_error(write_log: WriteLog, log_kind: str) ->
 
 def test_folder_of_definitions_must_exist(write_log: WriteLog, tmp_path: Path) -> None:
     """A wrong --msgs is a wrong use, not a wrong log."""
-    path = write_log("mcap-zstd", ROWS)
+    path = write_log("mcap-zstd", SHUFFLED)
 
     with pytest.raises(UsageError, match=r"--msgs .*none: no such folder"):
         open_log(path, msgs=[tmp_path / "none"])

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from mpap_cli.errors import UsageError
+from mpap_cli.logs.fields import TimeSource
 from mpap_cli.logs.reader import open_log
-from mpap_cli.logs.replay import Replay
+from mpap_cli.logs.replay import Replay, ReplayOptions
 from mpap_cli.logs.survey import survey_log
-from mpap_cli.logs.topics import choose_roles, require_scan
+from mpap_cli.logs.topics import TopicChoice, choose_roles, require_scan
 from mpap_cli.observations import Bump, ScanBlock
 from mpap_cli.params import BumperParams
 
@@ -107,14 +108,32 @@ def test_switches_are_taken_before_contacts(shared_logs: Path, name: str) -> Non
     assert "switches go before a simulator's contacts, of /bump, /bumper" in roles.bump_reason
 
 
-@pytest.mark.parametrize("name", ["camera/neato-2017-i1.bag", "camera/neato-2017-i2.bag"])
-def test_compressed_image_is_taken(shared_logs: Path, name: str) -> None:
-    """Neither theora nor the parameters of the camera."""
+@pytest.mark.parametrize("time_source", ["log", "header"])
+@pytest.mark.parametrize(
+    ("name", "n_images", "n_poses"),
+    [
+        ("camera/neato-2017-i1.bag", 123, 466),
+        ("camera/neato-2017-i2.bag", 97, 374),
+        ("converted/neato-2017-i1-camera.mcap", 123, 466),
+    ],
+)
+def test_camera_log_gives_its_images_and_poses(
+    shared_logs: Path, name: str, n_images: int, n_poses: int, time_source: TimeSource
+) -> None:
+    """JPEG images of the compressed topic, not theora; odometry beside them."""
+    options = ReplayOptions(sensors=frozenset({"image", "odometry"}), time_source=time_source)
+
     with open_log(shared_logs / name) as reader:
-        roles = choose_roles(reader)
+        roles = choose_roles(reader, TopicChoice(bump_from="none"))
+        replay = Replay(reader, roles, BumperParams(), options)
+        (batch,) = replay
 
     assert roles.image is not None
     assert roles.image.name == "/camera/image_raw/compressed"
+    assert all(frame.payload.startswith(b"\xff\xd8\xff") for frame in batch.frames)
+    assert batch.poses is not None
+    assert (len(batch.frames), len(batch.poses.poses)) == (n_images, n_poses)
+    assert (batch.scans, replay.skipped) == ((), {})
 
 
 def test_json_log_is_read(shared_logs: Path, caplog: pytest.LogCaptureFixture) -> None:

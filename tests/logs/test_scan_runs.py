@@ -1,7 +1,6 @@
 """Scans read run by run are those read one by one."""
 
 import json
-import struct
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any, Literal
@@ -14,7 +13,7 @@ from hypothesis import strategies as st
 from mpap_cli.logs.fields import FieldError, scan_view
 from mpap_cli.logs.files.runs import group_messages
 from mpap_cli.logs.raw import RawMessage, RawRun, Topic
-from mpap_cli.logs.scan_runs import header_stamps, read_scans
+from mpap_cli.logs.scan_runs import read_scans
 from mpap_cli.logs.writing.encoding import RosEncoder
 from mpap_cli.observations import Float32Array
 
@@ -143,23 +142,3 @@ def test_scans_that_never_repeat(encoding: str) -> None:
 
     assert len(pieces) == 30
     assert [int(piece.ranges[0, 0]) for piece in pieces] == list(range(30))
-
-
-def test_stamps_of_headers() -> None:
-    """Either byte order is read; what is too short or no plain CDR is told."""
-    words = (7, 123, 0)
-    payloads = [
-        b"\0\1\0\0" + struct.pack("<III", *words),
-        b"\0\0\0\0" + struct.pack(">III", *words),
-        b"\0\1\0\0" + struct.pack("<II", *words[:2]),
-        b"\0\5\0\0" + struct.pack("<III", *words),
-        b"",
-        b"\0\1\0\0" + struct.pack("<III", *words),
-    ]
-
-    stamps_ns, readable = header_stamps(run_of("cdr", payloads))
-    of_ros1, all_readable = header_stamps(run_of("ros1", [payloads[0]]))
-
-    assert readable.tolist() == [True, True, False, False, False, True]
-    assert stamps_ns[readable].tolist() == [7_000_000_123] * 3
-    assert (of_ros1.tolist(), all_readable.tolist()) == ([7_000_000_123], [True])

@@ -1,4 +1,4 @@
-"""Batches out of scans and bumps."""
+"""Batches out of scans, bumps, images and poses."""
 
 from itertools import pairwise
 
@@ -9,9 +9,11 @@ from hypothesis import strategies as st
 
 from mpap_cli.logs.bumps.bumpers import BumpPiece
 from mpap_cli.logs.files.runs import END_NS
+from mpap_cli.logs.image_runs import FramePiece
+from mpap_cli.logs.odometry import PosePiece
 from mpap_cli.logs.scan_runs import ScanPiece
-from mpap_cli.logs.windows import Arrivals, Window
-from mpap_cli.observations import NS_PER_S, Batch, Bump, ScanGeometry
+from mpap_cli.logs.windows import Arrivals, Events, Window
+from mpap_cli.observations import NS_PER_S, Batch, Bump, Frame, ScanGeometry
 
 moments = st.lists(st.integers(0, 60 * NS_PER_S) | st.integers(0, 9).map(NS_PER_S.__mul__))
 
@@ -32,42 +34,82 @@ def bumps(stamps_ns: list[int], codes: list[int]) -> list[BumpPiece]:
     return [BumpPiece(stamps, stamps, np.array(codes, dtype=np.int64))]
 
 
+def images(stamps_ns: list[int]) -> list[FramePiece]:
+    """Return images of one topic."""
+    stamps = np.array(stamps_ns, dtype=np.int64)
+    frames = tuple(Frame(stamp_ns, "compressed", 0, 0, 0, b"") for stamp_ns in stamps_ns)
+    return [FramePiece(stamps, stamps, frames)]
+
+
+def poses(stamps_ns: list[int]) -> list[PosePiece]:
+    """Return poses of one topic, which tell their moment."""
+    stamps = np.array(stamps_ns, dtype=np.int64)
+    return [PosePiece(stamps, stamps, np.repeat(stamps[:, np.newaxis], 3, axis=1).astype(float))]
+
+
 def stamps_of(batch: Batch) -> tuple[list[int], list[int]]:
     """Return the stamps of scans and of bumps."""
     of_scans = [int(stamp_ns) for block in batch.scans for stamp_ns in block.stamps_ns]
     return of_scans, [bump.stamp_ns for bump in batch.bumps]
 
 
-@given(scanned=moments, touched=moments, size=st.integers(1, 6), cuts=st.lists(st.integers(0, 60)))
+def all_stamps(batch: Batch) -> list[list[int]]:
+    """Return the stamps of scans, bumps, images and poses."""
+    assert batch.poses is not None
+    assert batch.poses.poses[:, 1].tolist() == batch.poses.stamps_ns.tolist()
+    assert batch.poses.poses.shape == (len(batch.poses.stamps_ns), 3)
+    frames = [frame.stamp_ns for frame in batch.frames]
+    return [*stamps_of(batch), frames, batch.poses.stamps_ns.tolist()]
+
+
+@given(came=st.tuples(*[moments] * 4), size=st.integers(1, 6), cuts=st.lists(st.integers(0, 60)))
 def test_nothing_is_lost_and_batches_follow_one_another(
-    scanned: list[int], touched: list[int], size: int, cuts: list[int]
+    came: tuple[list[int], ...], size: int, cuts: list[int]
 ) -> None:
     """Each event is in one batch, in order; the batches do not depend on how the events came."""
-    window = Window(size, {"": 0}, changes_only=False)
-    at_once = Window(size, {"": 0}, changes_only=False)
+    window = Window(size, {"": 0}, changes_only=False, with_poses=True)
+    at_once = Window(size, {"": 0}, changes_only=False, with_poses=True)
     batches: list[Batch] = []
     begin_ns = -1
     for end_ns in [*sorted(cut * NS_PER_S for cut in cuts), END_NS]:
-        window.add(
-            scans(*(t for t in scanned if begin_ns <= t < end_ns)),
-            bumps(touching := [t for t in touched if begin_ns <= t < end_ns], [1] * len(touching)),
-        )
+        parts = [[t for t in stamps_ns if begin_ns <= t < end_ns] for stamps_ns in came]
+        window.add(*events_at(*parts))
         batches.extend(window.batches(end_ns))
         begin_ns = end_ns
-    at_once.add(scans(*scanned), bumps(touched, [1] * len(touched)))
+    at_once.add(*events_at(*came))
 
-    came = [stamps_of(batch) for batch in batches]
+    stamps_ns = [all_stamps(batch) for batch in batches]
 
-    assert came == [stamps_of(batch) for batch in at_once.batches(END_NS)]
-    assert [t for in_scans, _ in came for t in in_scans] == sorted(scanned)
-    assert [t for _, in_bumps in came for t in in_bumps] == sorted(touched)
-    for batch, (in_scans, in_bumps) in zip(batches, came, strict=True):
-        assert batch.until_ns == max(in_scans + in_bumps)
-        assert batch.until_ns - min(in_scans + in_bumps) <= 1200 * NS_PER_S
-        assert len([t for t in in_scans if t < in_scans[-1]]) < size
-    for batch, (in_scans, in_bumps) in zip(batches, came[1:], strict=False):
-        assert all(t > batch.until_ns for t in (*in_scans, *in_bumps))
+    assert stamps_ns == [all_stamps(batch) for batch in at_once.batches(END_NS)]
+    for kind, moments_ns in enumerate(came):
+        assert [t for stamps in stamps_ns for t in stamps[kind]] == sorted(moments_ns)
+    for batch, kinds in zip(batches, stamps_ns, strict=True):
+        together = [t for stamps in kinds for t in stamps]
+        assert batch.until_ns == max(together)
+        assert batch.until_ns - min(together) <= 120 * NS_PER_S
+        assert len([t for t in kinds[0] if t < kinds[0][-1]]) < size
+    for batch, kinds in zip(batches, stamps_ns[1:], strict=False):
+        assert all(t > batch.until_ns for stamps in kinds for t in stamps)
     assert all(one.until_ns < other.until_ns for one, other in pairwise(batches))
+
+
+def events_at(scanned: list[int], touched: list[int], seen: list[int], driven: list[int]) -> Events:
+    """Return scans, bumps, images and poses at moments."""
+    return Events(scans(*scanned), bumps(touched, [1] * len(touched)), images(seen), poses(driven))
+
+
+def test_images_make_a_batch_due(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The one with which there are enough is in it, with all of the same stamp."""
+    monkeypatch.setattr("mpap_cli.logs.waiting.MAX_FRAMES", 3)
+    window = Window(100, {}, changes_only=True)
+    window.add(scans(0, 2, 4, 5, 9), [], images([1, 3, 5, 5, 6]))
+
+    batches = list(window.batches(END_NS))
+
+    seen = [[frame.stamp_ns for frame in batch.frames] for batch in batches]
+    assert seen == [[1, 3, 5, 5], [6]]
+    assert [stamps_of(batch)[0] for batch in batches] == [[0, 2, 4, 5], [9]]
+    assert [batch.poses for batch in batches] == [None, None]
 
 
 def test_blocks_have_one_geometry() -> None:

@@ -15,7 +15,7 @@ from mpap_cli.errors import ModelError
 from mpap_cli.observations import Press, ScanBlock, ScanGeometry
 from mpap_cli.outputs.model_file import write_model
 from mpap_cli.outputs.recorded_log import RecordedLog
-from mpap_cli.outputs.recording import RecordingWriter, read_recording
+from mpap_cli.outputs.recording import RecordingWriter, blocks_around, read_recording
 from mpap_cli.outputs.scan_chunks import make_chunk
 
 GEOMETRY = ScanGeometry(5, -1.0, 0.5, 0.1, 5.0, "laser")
@@ -74,6 +74,19 @@ def test_blocks_come_back_as_they_were(tmp_path: Path, chunk_bytes: int) -> None
         for log, (_, expected) in zip(found, logs, strict=True):
             for one, two in zip(log.blocks(), expected, strict=True):
                 assert_same(one, two)
+
+
+def test_blocks_around_are_those_that_hold_the_stamps(tmp_path: Path) -> None:
+    """Of several logs and chunks the blocks with one of the stamps come, whole, with their log."""
+    path = tmp_path / "r.npz"
+    blocks = [block_of(0, 4), block_of(4, 3), block_of(7, 5)]
+    write(path, [(log_of("a.bag"), blocks), (log_of("b.bag"), blocks[2:])], 200)
+
+    found = list(blocks_around(path, np.array([5, 8, 99])))
+
+    assert [log for log, _ in found] == [0, 0, 1]
+    for (_, one), two in zip(found, [blocks[1], blocks[2], blocks[2]], strict=True):
+        assert_same(one, two)
 
 
 def test_facts_of_a_log_come_back(tmp_path: Path) -> None:

@@ -1,11 +1,14 @@
 """The fixture logs are what the simulator makes."""
 
+import dataclasses
 import importlib.util
 import shutil
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+
+from mpap_cli.simulation.settings import CameraParams, SimulationParams
 
 FOLDER = Path(__file__).parents[2] / "fixtures"
 
@@ -22,23 +25,28 @@ def load_script() -> ModuleType:
 
 @pytest.mark.slow
 def test_fixtures_are_what_the_simulator_makes() -> None:
-    """Stamps, bumper messages and the truth equal exactly, ranges on a grid of 1 mm."""
+    """Stamps, bumper messages, contacts equal exactly, ranges on a grid of 1 mm, images nearly."""
     lines = load_script().check(FOLDER)
 
     assert lines == []
 
 
 def test_fixtures_stay_small() -> None:
-    """No fixture is larger than 300 kB, all together are below 3 MB."""
+    """No fixture is larger than 300 kB, with images 1 MB; all together are below 5 MB."""
     script = load_script()
 
-    sizes = [
-        sum(file.stat().st_size for file in (path, *path.rglob("*")) if file.is_file())
-        for path in (FOLDER / name for name in script.FIXTURES)
-    ]
+    sizes = {
+        name: sum(
+            file.stat().st_size
+            for file in (FOLDER / name, *(FOLDER / name).rglob("*"))
+            if file.is_file()
+        )
+        for name in script.FIXTURES
+    }
 
-    assert max(sizes) < 300_000
-    assert sum(sizes) < 3_000_000
+    for name, size in sizes.items():
+        assert size < (1_000_000 if "camera" in script.FIXTURES[name] else 300_000)
+    assert sum(sizes.values()) < 5_000_000
 
 
 def test_changed_fixture_is_named(tmp_path: Path) -> None:
@@ -61,3 +69,30 @@ def test_changed_fixture_is_named(tmp_path: Path) -> None:
     assert changed == "outdoor.mcap: topics, stamps or bumper messages differ"
     assert "outdoor.mcap" in missing
     assert edited == "outdoor.mcap: the truth differs"
+
+
+def test_changed_images_are_named(tmp_path: Path) -> None:
+    """Images of other surfaces, or other shares in their truth, are a difference."""
+    script = load_script()
+    name = "camera-a.mcap"
+    lens = CameraParams(size="64x64", hz=1.0)
+    for folder, textures in (("a", "a"), ("b", "b")):
+        (tmp_path / folder).mkdir()
+        camera = dataclasses.replace(lens, textures=textures)
+        params = SimulationParams(duration_s=5, camera=camera)
+        script.simulate(tmp_path / folder / name, params)
+    first, second = (tmp_path / folder / name for folder in "ab")
+
+    same = script.difference(first, first)
+    changed = script.difference(first, second)
+    patches = first.with_name(f"{name}.patches.csv")
+    shutil.copytree(tmp_path / "a", tmp_path / "c")
+    patches.write_text(patches.read_text().replace("1.0000", "0.9000", 1))
+    edited = script.difference(first, tmp_path / "c" / name)
+    patches.unlink()
+    missing = script.difference(first, tmp_path / "c" / name)
+
+    assert same == ""
+    assert changed == f"{name}: images differ"
+    assert edited == f"{name}: the truth differs"
+    assert missing == edited

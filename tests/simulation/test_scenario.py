@@ -14,7 +14,7 @@ from rosbags.highlevel import AnyReader
 from mpap_cli.errors import OutputError
 from mpap_cli.logs.writing.storages import CONTAINERS
 from mpap_cli.observations import NS_PER_S, BoolArray, Float32Array, IntArray
-from mpap_cli.simulation import scenario
+from mpap_cli.simulation import sources
 from mpap_cli.simulation.bumper import Faults
 from mpap_cli.simulation.scenario import SimulatedLog, simulate
 from mpap_cli.simulation.settings import SimulationParams
@@ -104,7 +104,7 @@ def test_size_of_a_block_changes_nothing(tmp_path: Path, monkeypatch: pytest.Mon
     params = SimulationParams(world="outdoor", seed=5, duration_s=40)
 
     logs = [simulate(tmp_path / "a.mcap", params)]
-    monkeypatch.setattr(scenario, "_BLOCK_STEPS", 37)
+    monkeypatch.setattr(sources, "_BLOCK_STEPS", 37)
     logs.append(simulate(tmp_path / "b.mcap", params))
 
     assert logs[0].path.read_bytes() == logs[1].path.read_bytes()

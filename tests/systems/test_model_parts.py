@@ -1,8 +1,6 @@
 """Models become arrays and a header, and come back the same or not at all."""
 
-import json
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +12,7 @@ from mpap_cli.params import Settings, make_settings
 from mpap_cli.systems.collision import CollisionModel
 from mpap_cli.systems.labelling import LogStart
 from mpap_cli.systems.model_parts import ModelState
+from tests.systems.states import changed, reloaded, same, with_header, without
 
 
 def block_of(settings: Settings, n: int, seed: int) -> FeatureBlock:
@@ -37,18 +36,6 @@ def learn(model: CollisionModel, name: str, seed: int) -> CollisionModel:
     model.settle((), int(block.stamps_ns[-1]))
     model.end_log(int(block.stamps_ns[-1]))
     return model
-
-
-def reloaded(state: ModelState) -> ModelState:
-    """Return the state as it comes out of a file."""
-    return ModelState(json.loads(json.dumps(state.header, allow_nan=False)), state.arrays)
-
-
-def same(one: ModelState, other: ModelState) -> bool:
-    """Whether two states have the same bytes."""
-    return one.header == other.header and {
-        name: (array.dtype, array.shape, array.tobytes()) for name, array in one.arrays.items()
-    } == {name: (array.dtype, array.shape, array.tobytes()) for name, array in other.arrays.items()}
 
 
 @pytest.mark.parametrize("profile", ["robust", "paper"])
@@ -101,25 +88,6 @@ def test_finish_keeps_the_rows() -> None:
     model.finish()
 
     assert model.clusters() == before
-
-
-def changed(name: str, change: Callable[[Any], Any]) -> Callable[[ModelState], ModelState]:
-    """Return a change of one array."""
-    return lambda state: ModelState(
-        state.header, {**state.arrays, name: change(state.arrays[name].copy())}
-    )
-
-
-def with_header(**values: object) -> Callable[[ModelState], ModelState]:
-    """Return a change of the header."""
-    return lambda state: ModelState({**state.header, **values}, state.arrays)
-
-
-def without(name: str) -> Callable[[ModelState], ModelState]:
-    """Return what leaves an array out."""
-    return lambda state: ModelState(
-        state.header, {key: array for key, array in state.arrays.items() if key != name}
-    )
 
 
 @pytest.mark.parametrize(

@@ -9,15 +9,10 @@ import math
 import numpy as np
 from numba import njit
 
+from mpap_cli.clustering.meta_point_rows import tables
 from mpap_cli.clustering.meta_point_rows.tables import (
     CLUSTER_POINT,
-    DROPPED,
-    N_DROPPED,
-    N_ROWS,
-    NEXT_ID,
     NOISE_POINT,
-    OLDEST_NS,
-    UNSEEN_NS,
     Index,
     Rows,
     Rules,
@@ -25,6 +20,8 @@ from mpap_cli.clustering.meta_point_rows.tables import (
 from mpap_cli.observations import Float32Array, Float64Array, FloatArray, Int8Array, IntArray
 
 _compiled = njit(nogil=True, cache=True, error_model="numpy")
+# What runs for every point takes plain arrays: whoever takes a table counts the references
+# of all its arrays up and down, which costs more than the work itself.
 
 
 @_compiled
@@ -58,20 +55,21 @@ def _reach(squared: float, slack: float) -> float:
 
 
 @_compiled
-def _lower_bounds(near: Float32Array, axes: IntArray, point: FloatArray, out: Float32Array) -> int:
+def _lower_bounds(
+    near: Float32Array, kind: int, axes: IntArray, point: FloatArray, lower: Float32Array, n: int
+) -> int:
     """Sum the squared differences along the axes; return the place of the least sum."""
-    n = len(out)
-    out[:] = 0.0
+    for slot in range(n):
+        lower[slot] = 0.0
     for q in range(0, len(axes), 4):
         x0, x1 = np.float32(point[axes[q]]), np.float32(point[axes[q + 1]])
         x2, x3 = np.float32(point[axes[q + 2]]), np.float32(point[axes[q + 3]])
-        line0, line1, line2, line3 = near[q], near[q + 1], near[q + 2], near[q + 3]
         for slot in range(n):
-            step0, step1 = line0[slot] - x0, line1[slot] - x1
-            step2, step3 = line2[slot] - x2, line3[slot] - x3
-            out[slot] += (step0 * step0 + step1 * step1) + (step2 * step2 + step3 * step3)
+            step0, step1 = near[kind, q, slot] - x0, near[kind, q + 1, slot] - x1
+            step2, step3 = near[kind, q + 2, slot] - x2, near[kind, q + 3, slot] - x3
+            lower[slot] += (step0 * step0 + step1 * step1) + (step2 * step2 + step3 * step3)
     # floats of 0 and above are ordered like their bits, whose minimum is found faster
-    bits = out.view(np.int32)
+    bits = lower.view(np.int32)
     least = bits[0]
     for slot in range(n):
         least = min(least, bits[slot])
@@ -82,25 +80,26 @@ def _lower_bounds(near: Float32Array, axes: IntArray, point: FloatArray, out: Fl
 
 
 @_compiled
-def nearest_meta_point(
-    rows: Rows, index: Index, kind: int, point: FloatArray, rules: Rules, lower: Float32Array
-) -> int:
-    """NEAREST-NEIGHBOR of Algorithm 1: the row within theta, the oldest of equals, or -1.
+def nearest(
+    near: Float32Array, members: IntArray, kind: int, n: int, axes: IntArray,
+    references: Float64Array, point: FloatArray, rules: Rules, lower: Float32Array,
+) -> int:  # fmt: skip
+    """NEAREST-NEIGHBOR of Algorithm 1 among the n rows of a kind: the row within theta, or -1.
 
     A float32 sum over a part of the coordinates is a lower bound of the distance. A row
-    whose bound, with room for rounding, is above the best distance so far cannot win.
+    whose bound, with room for rounding, is above the best distance so far cannot win. Of
+    equals the oldest is taken.
     """
-    n = rows.totals[kind]
     if n == 0:
         return -1
-    promising = _lower_bounds(index.near[kind], index.axes, point, lower[:n])
+    promising = _lower_bounds(near, kind, axes, point, lower, n)
     best, best_row = rules.bound, -1
     limit = _reach(best, rules.slack)
     for turn in range(-1, n):
         slot = promising if turn < 0 else turn
         if lower[slot] <= limit:
-            row = index.members[kind, slot]
-            squared = _squared_distance(point, rows.references, row, best)
+            row = members[kind, slot]
+            squared = _squared_distance(point, references, row, best)
             if squared < best or (squared == best and row < best_row):
                 best, best_row = squared, row
                 limit = _reach(best, rules.slack)
@@ -114,7 +113,7 @@ def enlist(rows: Rows, index: Index, kind: int, row: int) -> None:
     rows.totals[kind] += 1
     rows.kind[row], index.slot[row] = kind, slot
     index.members[kind, slot] = row
-    locate(rows, index, row)
+    locate(index.near, kind, slot, index.axes, rows.references, row)
 
 
 @_compiled
@@ -126,73 +125,76 @@ def _strike(rows: Rows, index: Index, row: int) -> None:
     index.slot[index.members[kind, last]] = slot
     index.members[kind, slot] = index.members[kind, last]
     index.near[kind, :, slot] = index.near[kind, :, last]
-    rows.kind[row] = DROPPED
+    rows.kind[row] = tables.DROPPED
 
 
 @_compiled
-def locate(rows: Rows, index: Index, row: int) -> None:
+def locate(
+    near: Float32Array, kind: int, slot: int, axes: IntArray, references: Float64Array, row: int
+) -> None:
     """Renew the coordinates by which a row is searched."""
-    kind, slot = rows.kind[row], index.slot[row]
-    for q in range(len(index.axes)):
-        index.near[kind, q, slot] = rows.references[row, index.axes[q]]
+    for q in range(len(axes)):
+        near[kind, q, slot] = references[row, axes[q]]
 
 
 @_compiled
-def _refer(rows: Rows, row: int, point: FloatArray, rules: Rules, mean: Float64Array) -> bool:
-    """Renew what distances go to, the mean or the exemplar; tell if the exemplar is new."""
-    mean[0] = 0.0
-    divisor = math.sqrt(_squared_distance(mean[0], rows.sums, row, math.inf))
-    if not rules.normalised or divisor == 0.0:
-        divisor = np.float64(rows.point_count[row])
-    for j in range(mean.shape[1]):
-        mean[0, j] = rows.sums[row, j] / divisor
-    replaced: bool = rows.point_count[row] == 1
-    if rules.closest and not replaced:
-        kept = _squared_distance(rows.exemplars[row], mean, 0, math.inf)
-        replaced = _squared_distance(point, mean, 0, math.inf) < kept
-    if replaced:
-        rows.exemplars[row] = point
-    for j in range(mean.shape[1]):
-        rows.references[row, j] = mean[0, j] if rules.by_mean else rows.exemplars[row, j]
-    return replaced
+def _take_in(
+    point_count: IntArray, sums: Float64Array, means: Float64Array, row: int, point: FloatArray,
+    zero: Float64Array, normalised: bool,
+) -> None:  # fmt: skip
+    """Add a point to the sum of a row, and renew its mean."""
+    point_count[row] += 1
+    for j in range(len(point)):
+        sums[row, j] += point[j]
+    divisor = math.sqrt(_squared_distance(zero, sums, row, math.inf))
+    if not normalised or divisor == 0.0:
+        divisor = np.float64(point_count[row])
+    for j in range(len(point)):
+        means[row, j] = sums[row, j] / divisor
 
 
 @_compiled
 def create_row(rows: Rows, stamp_ns: int) -> int:
     """Return a new row, which is on no list and stands for no point yet."""
-    row: int = rows.totals[N_ROWS]
-    rows.totals[N_ROWS] += 1
-    rows.ids[row] = rows.totals[NEXT_ID]
-    rows.totals[NEXT_ID] += 1
+    row: int = rows.totals[tables.N_ROWS]
+    rows.totals[tables.N_ROWS] += 1
+    rows.ids[row] = rows.totals[tables.NEXT_ID]
+    rows.totals[tables.NEXT_ID] += 1
     rows.first_ns[row] = stamp_ns
     return row
 
 
 @_compiled
 def _update_meta_point(
-    rows: Rows, row: int, point: FloatArray, seen: tuple[int, int], rules: Rules, mean: Float64Array
+    rows: Rows, row: int, point: FloatArray, seen: tuple[int, int], rules: Rules, zero: Float64Array
 ) -> None:
     """UPDATE-META-POINT of Algorithm 1 with a point seen at (stamp, log)."""
-    rows.point_count[row] += 1
     rows.last_ns[row] = seen[0]
-    for j in range(len(point)):
-        rows.sums[row, j] += point[j]
-    if _refer(rows, row, point, rules, mean):
+    means = rows.references  # until they become the exemplar
+    _take_in(rows.point_count, rows.sums, means, row, point, zero, rules.normalised)
+    replaced = rows.point_count[row] == 1
+    if rules.closest and not replaced:
+        kept = _squared_distance(rows.exemplars[row], means, row, math.inf)
+        replaced = _squared_distance(point, means, row, math.inf) < kept
+    if replaced:
+        rows.exemplars[row] = point
         rows.exemplar_stamp_ns[row], rows.exemplar_log[row] = seen
+    if not rules.by_mean:
+        rows.references[row] = rows.exemplars[row]
 
 
 @_compiled
 def _drop_expired(rows: Rows, index: Index, stamp_ns: int, ttl_ns: int) -> None:
     """Drop the noise-points last seen before their time to live; note the oldest left."""
-    oldest = UNSEEN_NS
+    oldest = tables.UNSEEN_NS
     for slot in range(rows.totals[NOISE_POINT] - 1, -1, -1):
         row = index.members[NOISE_POINT, slot]
         if stamp_ns - rows.last_ns[row] > ttl_ns:
             _strike(rows, index, row)
-            rows.totals[N_DROPPED] += 1
+            rows.totals[tables.N_DROPPED] += 1
         else:
             oldest = min(oldest, rows.last_ns[row])
-    rows.totals[OLDEST_NS] = oldest
+    rows.totals[tables.OLDEST_NS] = oldest
 
 
 @_compiled
@@ -205,45 +207,43 @@ def drop_oldest(rows: Rows, index: Index) -> None:
         if key < (rows.point_count[oldest] > 1, rows.last_ns[oldest], oldest):
             oldest = row
     _strike(rows, index, oldest)
-    rows.totals[N_DROPPED] += 1
+    rows.totals[tables.N_DROPPED] += 1
 
 
 @_compiled
-def add_block(  # plain arrays
-    rows: Rows,
-    index: Index,
-    rules: Rules,
-    points: Float32Array,
-    stamps_ns: IntArray,
-    log_index: int,
-    ids: IntArray,
-    cases: Int8Array,
-) -> None:
+def add_block(
+    rows: Rows, index: Index, rules: Rules, points: Float32Array, stamps_ns: IntArray,
+    log_index: int, ids: IntArray, cases: Int8Array,
+) -> None:  # fmt: skip
     """ADD-DATA-POINT of Algorithm 1 for each point in turn."""
-    lower = np.empty(len(index.slot), np.float32)
-    mean = np.empty((1, points.shape[1]))
+    lower, zero = np.empty(len(index.slot), np.float32), np.zeros(points.shape[1])
+    totals, slots, near, members = rows.totals, index.slot, index.near, index.members
+    axes, point_count, sums, references = index.axes, rows.point_count, rows.sums, rows.references
+    last_ns, row_ids, has_plain_means = rows.last_ns, rows.ids, rules.by_mean and not rules.closest
     for i in range(len(points)):
         point, now, case = points[i], stamps_ns[i], 1
-        if rules.ttl_ns >= 0 and now - rows.totals[OLDEST_NS] > rules.ttl_ns:
+        if rules.ttl_ns >= 0 and now - totals[tables.OLDEST_NS] > rules.ttl_ns:
             _drop_expired(rows, index, now, rules.ttl_ns)
-        row = nearest_meta_point(rows, index, CLUSTER_POINT, point, rules, lower)
+        n = totals[CLUSTER_POINT]
+        row = nearest(near, members, CLUSTER_POINT, n, axes, references, point, rules, lower)
+        if row >= 0 and has_plain_means:  # most points: what follows in short
+            _take_in(point_count, sums, references, row, point, zero, rules.normalised)
+            locate(near, CLUSTER_POINT, slots[row], axes, references, row)
+            last_ns[row], ids[i], cases[i] = now, row_ids[row], case
+            continue
         if row < 0:  # lines 4-5
-            case = 2
-            row = nearest_meta_point(rows, index, NOISE_POINT, point, rules, lower)
-        created = row < 0
-        if created:  # lines 11-12
-            case = 3
-            row = create_row(rows, now)
-        _update_meta_point(rows, row, point, (now, log_index), rules, mean)
-        if created:  # line 13
+            case, n = 2, totals[NOISE_POINT]
+            row = nearest(near, members, NOISE_POINT, n, axes, references, point, rules, lower)
+        if row < 0:  # lines 11-13
+            case, row = 3, create_row(rows, now)
             enlist(rows, index, NOISE_POINT, row)
-        else:
-            locate(rows, index, row)
+        _update_meta_point(rows, row, point, (now, log_index), rules, zero)
+        locate(near, rows.kind[row], slots[row], axes, references, row)
         if case > 1:
-            rows.totals[OLDEST_NS] = min(rows.totals[OLDEST_NS], now)
-        if case > 1 and rows.point_count[row] >= rules.min_points:  # lines 8-10
-            _strike(rows, index, row)
-            enlist(rows, index, CLUSTER_POINT, row)
-        ids[i], cases[i] = rows.ids[row], case
-        while rows.totals[NOISE_POINT] > rules.max_noise:
+            totals[tables.OLDEST_NS] = min(totals[tables.OLDEST_NS], now)
+            if point_count[row] >= rules.min_points:  # lines 8-10
+                _strike(rows, index, row)
+                enlist(rows, index, CLUSTER_POINT, row)
+        ids[i], cases[i] = row_ids[row], case
+        while totals[NOISE_POINT] > rules.max_noise:
             drop_oldest(rows, index)

@@ -98,7 +98,7 @@ class MetaPointArrays:
         """
         rows = self.rows_of(ids)
         known = rows >= 0
-        at = kept_rows(self._rows)[rows[known]]
-        size = len(self._rows.kind)
-        for column, labels in enumerate((~positive[known], positive[known])):
-            self._rows.label_counts[:, pair, column] += np.bincount(at[labels], minlength=size)
+        at = kept_rows(self._rows)
+        columns = 2 * rows[known] + positive[known]
+        counts = np.bincount(columns, minlength=2 * len(at)).reshape(-1, 2)
+        self._rows.label_counts[at, pair] += counts

@@ -23,6 +23,7 @@ N_ROWS, NEXT_ID, N_DROPPED, OLDEST_NS = 2, 3, 4, 5
 UNSEEN_NS = np.iinfo(np.int64).max
 N_AXES = 16
 _SMALLEST_CAPACITY = 64
+_APART = 16  # rows that lie a power of two apart drive one another out of the cache
 
 
 class Rows(NamedTuple):
@@ -51,8 +52,8 @@ class Index(NamedTuple):
     """What finds a nearest meta-point fast; it can be rebuilt from the rows at any time.
 
     ``members`` (2, capacity) lists the rows of each kind in no order, ``slot`` (capacity,)
-    is the place of a row in its list, ``near`` (2, n_axes, capacity) holds the coordinates
-    ``axes`` of the references in the order of the lists, one after the other.
+    is the place of a row in its list, ``near`` (2, n_axes, capacity and some to spare) holds
+    the coordinates ``axes`` of the references in the order of the lists, one after the other.
     """
 
     slot: IntArray
@@ -180,7 +181,7 @@ def build_index(rows: Rows, axes: IntArray) -> Index:
     index = Index(
         slot=np.zeros(capacity, np.int64),
         members=np.zeros((2, capacity), np.int64),
-        near=np.zeros((2, len(axes), capacity), np.float32),
+        near=np.zeros((2, len(axes), capacity + _APART), np.float32),
         axes=axes,
     )
     for kind in (NOISE_POINT, CLUSTER_POINT):

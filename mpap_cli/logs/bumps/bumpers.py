@@ -18,8 +18,8 @@ from mpap_cli.logs.bumps.bumper_rules import (
 )
 from mpap_cli.logs.bumps.expression import field_values, parse_expression
 from mpap_cli.logs.fields import TimeSource
+from mpap_cli.logs.layouts import header_stamps
 from mpap_cli.logs.raw import LogReader, PayloadError, RawMessage, RawRun, Topic
-from mpap_cli.logs.scan_runs import header_stamps
 from mpap_cli.observations import BoolArray, IntArray
 from mpap_cli.params import BumperParams
 

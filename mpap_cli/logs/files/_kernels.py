@@ -3,6 +3,8 @@
 Lengths are read from the file and believed only within the bytes at hand.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -147,10 +149,14 @@ def _walk_bag(records: U8, wanted: I64, found: I64) -> tuple[int, bool]:
 
 @njit(nogil=True, cache=True, error_model="numpy")
 def _gather(records: U8, places: I64, rows: U8) -> None:
-    """Copy the bytes at each place into a row."""
+    """Copy the bytes at each place into a row; as slices they go many at once."""
     n_bytes = rows.shape[1]
     for i in range(places.size):
-        rows[i] = records[places[i] : places[i] + n_bytes]
+        row, content = rows[i], records[places[i] : places[i] + n_bytes]
+        if content.size != n_bytes:
+            raise ValueError
+        for k in range(n_bytes):
+            row[k] = content[k]
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
@@ -168,11 +174,13 @@ def _find_changes(records: U8, starts: I64, sizes: I64, skip: int, changes: Bool
 @njit(nogil=True, cache=True, error_model="numpy")
 def _find_alike(records: U8, starts: I64, first: int, mask: U8, alike: BoolArray) -> None:
     """Tell which heads equal the bytes at ``first`` wherever the mask is set."""
+    model = records[first : first + mask.size]
     for i in range(starts.size):
         if alike[i]:
             difference = np.uint8(0)
+            head = records[starts[i] : starts[i] + mask.size]
             for k in range(mask.size):
-                difference |= (records[starts[i] + k] ^ records[first + k]) & mask[k]
+                difference |= (head[k] ^ model[k]) & mask[k]
             alike[i] = difference == 0
 
 
@@ -187,36 +195,32 @@ def walk_mcap(records: bytes, wanted: I64) -> tuple[I64, bool]:
     bool
         Whether the records are whole; those behind a broken one are not found.
     """
-    found = np.empty((4, _EXPECTED), np.int64)
-    content = np.frombuffer(records, np.uint8)
-    n_found, whole = _walk_mcap(content, wanted, found)
-    if n_found > found.shape[1]:
-        found = np.empty((4, n_found), np.int64)
-        _walk_mcap(content, wanted, found)
-    return found[:, :n_found], whole
+    return _walk(_walk_mcap, records, wanted)
 
 
 def walk_bag(records: bytes, wanted: I64) -> tuple[I64, bool]:
     """Find the messages of some connections among the records of a bag's chunk.
 
-    Returns
-    -------
-    ndarray of shape (4, n)
-        Place of the connection in ``wanted``, log time, start and size of the payload.
-    bool
-        Whether the records are whole; those behind a broken one are not found.
+    Returns what `walk_mcap` does, of connections.
     """
+    return _walk(_walk_bag, records, wanted)
+
+
+def _walk(
+    kernel: Callable[[U8, I64, I64], tuple[int, bool]], records: bytes, wanted: I64
+) -> tuple[I64, bool]:
+    """Run a kernel, once more if there are more messages than expected."""
     found = np.empty((4, _EXPECTED), np.int64)
     content = np.frombuffer(records, np.uint8)
-    n_found, whole = _walk_bag(content, wanted, found)
+    n_found, whole = kernel(content, wanted, found)
     if n_found > found.shape[1]:
         found = np.empty((4, n_found), np.int64)
-        _walk_bag(content, wanted, found)
+        kernel(content, wanted, found)
     return found[:, :n_found], whole
 
 
 def gather(records: bytes, places: I64, n_bytes: int) -> U8:
-    """Return the ``n_bytes`` at each of n places as rows (n, n_bytes)."""
+    """Return the ``n_bytes`` at each of n places as rows (n, n_bytes); ValueError past the end."""
     rows = np.empty((places.size, n_bytes), np.uint8)
     _gather(np.frombuffer(records, np.uint8), places, rows)
     return rows

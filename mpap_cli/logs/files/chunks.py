@@ -128,13 +128,14 @@ def in_time_order(
 
 def _runs_in(records: bytes, found: IntArray, topics: Sequence[Topic]) -> list[RawRun]:
     """Part messages by topic; ``topics`` says which topic each channel belongs to."""
+    numbers = {topic: number for number, topic in enumerate(dict.fromkeys(topics))}
+    topic_of = np.array([numbers[topic] for topic in topics], dtype=np.int64)[found[0]]
     runs = []
-    for topic in dict.fromkeys(topics):
-        channels = [place for place, other in enumerate(topics) if other == topic]
-        columns = found[1:, np.isin(found[0], channels)]
+    for topic, number in numbers.items():
+        columns = found[1:, topic_of == number]
         if not columns.size:
             continue
-        if (np.diff(columns[0]) < 0).any():
+        if (columns[0, 1:] < columns[0, :-1]).any():
             columns = columns[:, np.argsort(columns[0], kind="stable")]
         stamps_ns, starts, sizes = columns
         runs.append(RawRun(topic, stamps_ns, records, starts, sizes))

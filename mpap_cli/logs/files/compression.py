@@ -1,7 +1,14 @@
 """Unpacking of chunks, without believing the sizes that they declare."""
 
 import bz2
+import threading
 from collections.abc import Callable
+from contextlib import suppress
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from zstandard import ZstdDecompressor
 
 MAX_CHUNK_BYTES = 1 << 30
 """A chunk that declares more is taken for broken, before any memory is asked for."""
@@ -54,10 +61,23 @@ def _lz4(packed: bytes, size: int) -> bytes:
 def _zstd(packed: bytes, size: int) -> bytes:
     import zstandard  # noqa: PLC0415  # few logs need it
 
+    unpack = _zstd_unpacker(threading.get_ident())
     try:
-        return zstandard.ZstdDecompressor().stream_reader(packed).read(size)
+        # a whole chunk that is as large as declared needs no window to be copied out of
+        if zstandard.frame_content_size(packed) == size:
+            with suppress(zstandard.ZstdError):
+                return unpack.decompress(packed)
+        return unpack.stream_reader(packed).read(size)
     except zstandard.ZstdError as err:
         raise ValueError(*err.args) from err
+
+
+@lru_cache(maxsize=8)
+def _zstd_unpacker(_thread: int) -> "ZstdDecompressor":
+    """Return what unpacks for one thread: it takes memory to make, and cannot be shared."""
+    from zstandard import ZstdDecompressor  # noqa: PLC0415  # few logs need it
+
+    return ZstdDecompressor()
 
 
 DECOMPRESSORS: dict[str, Callable[[bytes, int], bytes]] = {

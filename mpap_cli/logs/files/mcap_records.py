@@ -4,7 +4,7 @@ import struct
 import zlib
 from collections.abc import Iterator, Mapping
 from io import BytesIO
-from typing import BinaryIO
+from typing import BinaryIO, TypeVar
 
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
@@ -15,6 +15,8 @@ from mpap_cli.logs.files.chunks import BrokenRecordError, Span, read_up_to, seek
 from mpap_cli.logs.files.compression import decompress
 from mpap_cli.logs.raw import Topic, ros2_name
 from mpap_cli.observations import IntArray
+
+Record = TypeVar("Record", Schema, Channel)
 
 MAGIC = b"\x89MCAP0\r\n"
 RECORD = struct.Struct("<BQ")
@@ -63,12 +65,7 @@ def parse_schema(content: bytes) -> Schema:
     BrokenRecordError
         If it does not follow the format.
     """
-    try:
-        schema: Schema = Schema.read(ReadDataStream(BytesIO(content)))
-    except (McapError, struct.error, ValueError) as err:
-        msg = "a schema is broken"
-        raise BrokenRecordError(msg) from err
-    return schema
+    return _parse(Schema, content, "a schema is broken")
 
 
 def parse_channel(content: bytes) -> Channel:
@@ -79,12 +76,16 @@ def parse_channel(content: bytes) -> Channel:
     BrokenRecordError
         If it does not follow the format.
     """
+    return _parse(Channel, content, "a channel is broken")
+
+
+def _parse(kind: type[Record], content: bytes, problem: str) -> Record:
+    """Return a record as the library reads it; its errors become ours."""
     try:
-        channel: Channel = Channel.read(ReadDataStream(BytesIO(content)))
+        record: Record = kind.read(ReadDataStream(BytesIO(content)))
     except (McapError, struct.error, ValueError) as err:
-        msg = "a channel is broken"
-        raise BrokenRecordError(msg) from err
-    return channel
+        raise BrokenRecordError(problem) from err
+    return record
 
 
 def parse_message(records: bytes, begin: int) -> tuple[int, int]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapFile
@@ -13,6 +13,8 @@ from rosbags.rosbag2 import Writer as Bag2
 from rosbags.typesys.msg import denormalize_msgtype
 
 from mpap_cli.logs.writing.encoding import JsonEncoder, RosEncoder
+
+Bag = TypeVar("Bag", Bag1, Bag2)
 
 CONTAINERS: dict[str, tuple[str, ...]] = {
     "bag": ("lz4", "bz2", "none"),
@@ -50,60 +52,62 @@ class Storage(Protocol):
         ...
 
 
-class _BagStorage:
+class _RosbagsStorage(Generic[Bag]):
+    """A log that rosbags writes."""
+
+    def __init__(self, bag: Bag) -> None:
+        self._bag: Bag = bag
+        self._bag.open()
+        self._connections: list[Connection] = []
+
+    def _number(self, connection: Connection) -> int:
+        self._connections.append(connection)
+        return len(self._connections) - 1
+
+    def write(self, topic_id: int, stamp_ns: int, payload: bytes) -> None:
+        self._bag.write(self._connections[topic_id], stamp_ns, payload)
+
+    def close(self, *, whole: bool) -> None:
+        if whole:
+            self._bag.close()
+        else:
+            self._bag.abort()
+
+
+class _BagStorage(_RosbagsStorage[Bag1]):
     """A ROS1 .bag."""
 
     def __init__(self, path: Path, container: str, compression: str) -> None:
         del container  # the class is the container
-        self._bag = Bag1(path)
+        bag = Bag1(path)
         if compression != "none":
-            self._bag.set_compression(Bag1.CompressionFormat[compression.upper()])
-        self._bag.open()
-        self._connections: list[Connection] = []
+            bag.set_compression(Bag1.CompressionFormat[compression.upper()])
+        super().__init__(bag)
 
     def add_topic(self, topic: str, msgtype: str, definition: str, digest: str) -> int:
         latching = 1 if topic == "/tf_static" else None
-        connection = self._bag.add_connection(
-            topic, msgtype, msgdef=definition, md5sum=digest, latching=latching
+        return self._number(
+            self._bag.add_connection(
+                topic, msgtype, msgdef=definition, md5sum=digest, latching=latching
+            )
         )
-        self._connections.append(connection)
-        return len(self._connections) - 1
-
-    def write(self, topic_id: int, stamp_ns: int, payload: bytes) -> None:
-        self._bag.write(self._connections[topic_id], stamp_ns, payload)
-
-    def close(self, *, whole: bool) -> None:
-        if whole:
-            self._bag.close()
-        else:
-            self._bag.abort()
 
 
-class _Rosbag2Storage:
+class _Rosbag2Storage(_RosbagsStorage[Bag2]):
     """A rosbag2 folder with its metadata.yaml."""
 
     def __init__(self, path: Path, container: str, compression: str) -> None:
         plugin = StoragePlugin[container.removeprefix("rosbag2-").upper()]
-        self._bag = Bag2(path, version=9, storage_plugin=plugin)
+        bag = Bag2(path, version=9, storage_plugin=plugin)
         if compression != "none":
             mode = CompressionMode[compression.removeprefix("zstd-").upper()]
-            self._bag.set_compression(mode, CompressionFormat.ZSTD)
-        self._bag.open()
-        self._connections: list[Connection] = []
+            bag.set_compression(mode, CompressionFormat.ZSTD)
+        super().__init__(bag)
 
     def add_topic(self, topic: str, msgtype: str, definition: str, digest: str) -> int:
-        connection = self._bag.add_connection(topic, msgtype, msgdef=definition, rihs01=digest)
-        self._connections.append(connection)
-        return len(self._connections) - 1
-
-    def write(self, topic_id: int, stamp_ns: int, payload: bytes) -> None:
-        self._bag.write(self._connections[topic_id], stamp_ns, payload)
-
-    def close(self, *, whole: bool) -> None:
-        if whole:
-            self._bag.close()
-        else:
-            self._bag.abort()
+        return self._number(
+            self._bag.add_connection(topic, msgtype, msgdef=definition, rihs01=digest)
+        )
 
 
 class _McapStorage:
@@ -129,9 +133,11 @@ class _McapStorage:
         self._mcap.add_message(topic_id, stamp_ns, payload, stamp_ns)
 
     def close(self, *, whole: bool) -> None:
-        if whole:
-            self._mcap.finish()  # type: ignore[no-untyped-call]  # mcap forgot the type
-        self._file.close()
+        try:
+            if whole:
+                self._mcap.finish()  # type: ignore[no-untyped-call]  # mcap forgot the type
+        finally:
+            self._file.close()
 
 
 STORAGES: dict[str, Callable[[Path, str, str], Storage]] = {

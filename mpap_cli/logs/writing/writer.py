@@ -74,15 +74,22 @@ class LogWriter:
         self._encoder = ENCODERS[container]()
         self._topics: dict[str, tuple[str, int]] = {}
 
-    def add_topic(self, topic: str, msgtype: str) -> None:
+    def add_topic(self, topic: str, msgtype: str, schema: str | None = None) -> None:
         """Announce a topic, so that the log names it even if no message follows.
+
+        Parameters
+        ----------
+        topic, msgtype : str
+            Name and type.
+        schema : str, optional
+            JSON schema of a type that is not built in, for the container ``mcap-json``.
 
         Raises
         ------
         UsageError
             If there is no definition of the type.
         """
-        text, digest = self._encoder.definition(msgtype)
+        text, digest = (schema, "") if schema else self._encoder.definition(msgtype)
         self._topics[topic] = (msgtype, self._open_storage.add_topic(topic, msgtype, text, digest))
 
     def write(self, topic: str, msgtype: str, stamp_ns: int, message: Mapping[str, Any]) -> None:

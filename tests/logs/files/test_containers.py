@@ -1,46 +1,14 @@
 """First bytes decide what a file is; every path that is no log gives one line."""
 
 import tempfile
-from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
 import zstandard
 
 from mpap_cli.errors import LogError
-from mpap_cli.logs.reader import READERS, LogReader, open_log
-
-Rows = Sequence[tuple[str, int, str]]
-WriteLog = Callable[[str, Rows], Path]
-
-START_NS = 1_700_000_000_000_000_000
-# Stamps go back now and then, by less and by more than a chunk.
-ROWS = [
-    (
-        ("/left", "/right", "/rare")[0 if number % 7 else 2 if number % 2 else 1],
-        START_NS + 1_000 * number - (20_000 if number % 11 == 5 else 0),
-        f"message number {number}",
-    )
-    for number in range(120)
-]
-IN_ORDER = sorted(ROWS, key=lambda row: row[1])
-
-
-def read(
-    reader: LogReader, topics: Sequence[str] | None = None, **window: int
-) -> list[tuple[str, int, str]]:
-    """Return the rows that were written."""
-    names = [topic.name for topic in reader.topics] if topics is None else topics
-    return [
-        (message.topic.name, message.stamp_ns, text_of(reader.decode(message)))
-        for message in reader.messages(names, **window)
-    ]
-
-
-def text_of(decoded: object) -> str:
-    """Return the text of a decoded string message."""
-    found: str = decoded["data"] if isinstance(decoded, dict) else vars(decoded)["data"]
-    return found
+from mpap_cli.logs.reader import READERS, open_log
+from tests.logs.rows import IN_ORDER, SHUFFLED, WriteLog, read
 
 
 @pytest.mark.parametrize(
@@ -54,7 +22,7 @@ def text_of(decoded: object) -> str:
 )
 def test_container_is_named(write_log: WriteLog, kind: str, container: str) -> None:
     """By the files inside, packed or not."""
-    with open_log(write_log(kind, ROWS)) as reader:
+    with open_log(write_log(kind, SHUFFLED)) as reader:
         found = reader.container
 
     assert found == container
@@ -63,7 +31,7 @@ def test_container_is_named(write_log: WriteLog, kind: str, container: str) -> N
 @pytest.mark.parametrize("kind", ["bag-none", "mcap-lz4"])
 def test_first_bytes_decide_not_the_suffix(write_log: WriteLog, kind: str) -> None:
     """A log is read under whatever name."""
-    path = write_log(kind, ROWS)
+    path = write_log(kind, SHUFFLED)
     renamed = path.rename(path.with_name("log.db3"))
 
     with open_log(renamed) as reader:
@@ -75,7 +43,7 @@ def test_first_bytes_decide_not_the_suffix(write_log: WriteLog, kind: str) -> No
 def test_bare_database_is_read(write_log: WriteLog) -> None:
     """A .db3 taken out of its folder, also where its messages are packed one by one."""
     for kind in ("sqlite3", "sqlite3-message"):
-        path = write_log(kind, ROWS) / "log.db3"
+        path = write_log(kind, SHUFFLED) / "log.db3"
 
         with open_log(path) as reader:
             found = read(reader)
@@ -87,7 +55,7 @@ def test_bare_database_is_read(write_log: WriteLog) -> None:
 @pytest.mark.parametrize("kind", ["sqlite3-file", "folder-mcap-file"])
 def test_packed_file_is_said_to_be_unpacked(write_log: WriteLog, kind: str) -> None:
     """It needs room on the disk."""
-    with open_log(write_log(kind, ROWS)) as reader:
+    with open_log(write_log(kind, SHUFFLED)) as reader:
         found = reader.warnings
 
     assert len(found) == 1
@@ -130,7 +98,7 @@ def test_missing_file(tmp_path: Path) -> None:
 
 def test_log_that_disappears_while_it_is_read(write_log: WriteLog) -> None:
     """It is an error of the log, not of the program."""
-    path = write_log("bag-none", ROWS)
+    path = write_log("bag-none", SHUFFLED)
 
     with open_log(path) as reader:
         path.unlink()
@@ -140,7 +108,7 @@ def test_log_that_disappears_while_it_is_read(write_log: WriteLog) -> None:
 
 def test_file_packed_twice(write_log: WriteLog, tmp_path: Path) -> None:
     """Nobody does that on purpose."""
-    packed = zstandard.compress(zstandard.compress(write_log("mcap-none", ROWS).read_bytes()))
+    packed = zstandard.compress(zstandard.compress(write_log("mcap-none", SHUFFLED).read_bytes()))
     path = tmp_path / "log.mcap.zstd"
     path.write_bytes(packed)
 
@@ -150,7 +118,7 @@ def test_file_packed_twice(write_log: WriteLog, tmp_path: Path) -> None:
 
 def test_packed_file_that_is_cut(write_log: WriteLog) -> None:
     """What comes out is read."""
-    folder = write_log("folder-mcap-file", ROWS * 200)
+    folder = write_log("folder-mcap-file", SHUFFLED * 200)
     path = folder / "log.mcap.zstd"
     path.write_bytes(path.read_bytes()[:-400])
 
@@ -165,7 +133,7 @@ def test_no_room_for_unpacking(
     write_log: WriteLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The error names the way out."""
-    path = write_log("sqlite3-file", ROWS)
+    path = write_log("sqlite3-file", SHUFFLED)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "none"))
 
     with pytest.raises(LogError, match=r"temporary folder: .*TMPDIR"):

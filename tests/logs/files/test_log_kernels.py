@@ -217,3 +217,13 @@ def test_comparisons_are_those_of_bytes(compiled: bool, texts: list[bytes], skip
         for text in texts
     ]
     assert [bytes(row) for row in rows] == [text[:4] for text in texts]
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_rows_end_where_the_bytes_end(monkeypatch: pytest.MonkeyPatch, compiled: bool) -> None:
+    """Nothing behind the bytes at hand is ever copied."""
+    if not compiled:
+        monkeypatch.setattr(kernels, "_gather", kernels._gather.py_func)
+
+    with pytest.raises(ValueError):  # noqa: PT011  # a kernel has no words
+        kernels.gather(b"12345678", np.array([0, 3]), 6)

@@ -1,14 +1,13 @@
 """MCAP files of all kinds that the format allows."""
 
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 import pytest
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
-from mcap.reader import make_reader
 from mcap.records import Channel, Message, Schema
 from mcap.writer import CompressionType, Writer
 
@@ -21,38 +20,9 @@ from mpap_cli.logs.files.mcap_records import (
     parse_schema,
     records_in,
 )
-from mpap_cli.logs.reader import LogReader, open_log
-
-Rows = Sequence[tuple[str, int, str]]
-WriteLog = Callable[[str, Rows], Path]
-
-ROWS = [("/left" if number % 3 else "/right", 10**18 + number, f"{number}") for number in range(60)]
-
-
-def stamps(reader: LogReader) -> list[int]:
-    """Return the stamps of all messages."""
-    names = [topic.name for topic in reader.topics]
-    return [message.stamp_ns for message in reader.messages(names)]
-
-
-def chunk_offsets(path: Path) -> list[tuple[int, int]]:
-    """Return offset and length of every chunk, by the summary."""
-    with path.open("rb") as stream:
-        summary = make_reader(stream).get_summary()
-    assert summary is not None
-    return [(index.chunk_start_offset, index.chunk_length) for index in summary.chunk_indexes]
-
-
-def write_mcap(path: Path, stamps_ns: Sequence[int], **options: Any) -> Path:
-    """Write one topic of bytes, a message per stamp."""
-    with path.open("wb") as stream:
-        writer = Writer(stream, **options)
-        writer.start()
-        channel = writer.register_channel("/left", "cdr", 0)
-        for stamp_ns in stamps_ns:
-            writer.add_message(channel, stamp_ns, bytes(40), stamp_ns)
-        writer.finish()  # type: ignore[no-untyped-call]  # mcap forgot the type
-    return path
+from mpap_cli.logs.reader import open_log
+from tests.logs.files.mcaps import chunk_offsets, write_mcap
+from tests.logs.rows import ROWS, WriteLog, stamps
 
 
 def test_complete_file_without_summary_is_not_damaged(write_log: WriteLog) -> None:

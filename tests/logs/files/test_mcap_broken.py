@@ -1,54 +1,21 @@
 """MCAP files broken in each way that they break."""
 
 import struct
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import pytest
 from mcap.opcode import Opcode
-from mcap.reader import make_reader
-from mcap.writer import Writer
 
 from mpap_cli.errors import LogError
-from mpap_cli.logs.reader import LogReader, open_log
-
-Rows = Sequence[tuple[str, int, str]]
-WriteLog = Callable[[str, Rows], Path]
-
-ROWS = [("/left" if number % 3 else "/right", 10**18 + number, f"{number}") for number in range(60)]
-
-
-def stamps(reader: LogReader) -> list[int]:
-    """Return the stamps of all messages."""
-    names = [topic.name for topic in reader.topics]
-    return [message.stamp_ns for message in reader.messages(names)]
-
-
-def chunk_offsets(path: Path) -> list[tuple[int, int]]:
-    """Return offset and length of every chunk, by the summary."""
-    with path.open("rb") as stream:
-        summary = make_reader(stream).get_summary()
-    assert summary is not None
-    return [(index.chunk_start_offset, index.chunk_length) for index in summary.chunk_indexes]
+from mpap_cli.logs.reader import open_log
+from tests.logs.files.mcaps import chunk_offsets, write_mcap
+from tests.logs.rows import ROWS, WriteLog, stamps
 
 
 def change(path: Path, place: int, text: bytes) -> None:
     """Overwrite bytes of a file."""
     content = path.read_bytes()
     path.write_bytes(content[:place] + text + content[place + len(text) :])
-
-
-def write_mcap(path: Path, stamps_ns: Sequence[int], **options: Any) -> Path:
-    """Write one topic of bytes, a message per stamp."""
-    with path.open("wb") as stream:
-        writer = Writer(stream, **options)
-        writer.start()
-        channel = writer.register_channel("/left", "cdr", 0)
-        for stamp_ns in stamps_ns:
-            writer.add_message(channel, stamp_ns, bytes(40), stamp_ns)
-        writer.finish()  # type: ignore[no-untyped-call]  # mcap forgot the type
-    return path
 
 
 @pytest.mark.parametrize("kind", ["mcap-none", "mcap-lz4", "mcap-zstd", "mcap-unchunked"])

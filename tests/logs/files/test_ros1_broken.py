@@ -1,7 +1,6 @@
 """ROS 1 bags broken in each way that they break."""
 
 import struct
-from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
@@ -9,52 +8,9 @@ import pytest
 from mpap_cli.errors import LogError
 from mpap_cli.logs.files.bag_records import parse_fields
 from mpap_cli.logs.files.chunks import BrokenRecordError
-from mpap_cli.logs.reader import LogReader, open_log
-
-Rows = Sequence[tuple[str, int, str]]
-WriteLog = Callable[[str, Rows], Path]
-
-ROWS = [("/left" if number % 3 else "/right", 10**18 + number, "x" * 20) for number in range(60)]
-BAG_HEADER_BYTES = 13 + 4096 + 4
-STAMP = struct.pack("<II", 5, 7)
-
-
-def field(name: bytes, value: bytes) -> bytes:
-    """Return one header field."""
-    text = name + b"=" + value
-    return struct.pack("<I", len(text)) + text
-
-
-def record(fields: bytes, content: bytes) -> bytes:
-    """Return one record."""
-    return struct.pack("<I", len(fields)) + fields + struct.pack("<I", len(content)) + content
-
-
-def number(value: int) -> bytes:
-    """Return a number as it stands in a header."""
-    return struct.pack("<I", value)
-
-
-def connection(identity: int, topic: bytes, msgtype: bytes = b"std_msgs/String") -> bytes:
-    """Return a connection record without a definition."""
-    head = field(b"op", b"\x07") + field(b"conn", number(identity)) + field(b"topic", topic)
-    return record(head, field(b"type", msgtype) + field(b"md5sum", b"*"))
-
-
-def message(payload: bytes, order: str = "op conn time") -> bytes:
-    """Return a message record of connection 0 with its fields in an order."""
-    fields = {
-        "op": field(b"op", b"\x02"),
-        "conn": field(b"conn", number(0)),
-        "time": field(b"time", STAMP),
-    }
-    return record(b"".join(fields[name] for name in order.split()), payload)
-
-
-def stamps(reader: LogReader) -> list[int]:
-    """Return the stamps of all messages."""
-    names = [topic.name for topic in reader.topics]
-    return [message.stamp_ns for message in reader.messages(names)]
+from mpap_cli.logs.reader import open_log
+from tests.logs.files.bags import ROWS, connection, field, message, record
+from tests.logs.rows import WriteLog, stamps
 
 
 def test_strict_reading_refuses_damage(write_log: WriteLog) -> None:

@@ -1,37 +1,23 @@
 """rosbag2 folders: metadata.yaml that fits, is missing, stale or broken; splits."""
 
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 from mpap_cli.errors import LogError
-from mpap_cli.logs.reader import LogReader, open_log
+from mpap_cli.logs.reader import open_log
+from tests.logs.rows import ROWS, Rows, WriteLog, stamps, storage
 
-Rows = Sequence[tuple[str, int, str]]
-WriteLog = Callable[[str, Rows], Path]
-
-ROWS = [("/left" if number % 3 else "/right", 10**18 + number, f"{number}") for number in range(60)]
 STAMPS = [row[1] for row in ROWS]
 FOLDERS = {"sqlite3": "log.db3", "folder-mcap": "log.mcap"}
-
-
-def stamps(reader: LogReader) -> list[int]:
-    """Return the stamps of all messages."""
-    names = [topic.name for topic in reader.topics]
-    return [message.stamp_ns for message in reader.messages(names)]
 
 
 @pytest.fixture(params=list(FOLDERS))
 def folder(request: pytest.FixtureRequest, write_log: WriteLog) -> Path:
     """Return a folder of each storage."""
     return write_log(request.param, ROWS)
-
-
-def storage(folder: Path) -> Path:
-    """Return the file that holds the messages."""
-    return next(path for path in folder.iterdir() if path.suffix in {".db3", ".mcap"})
 
 
 def split(write_log: WriteLog, kind: str, parts: Sequence[Rows]) -> Path:

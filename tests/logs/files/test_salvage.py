@@ -1,7 +1,6 @@
 """Broken databases: rows come out of the pages, whatever became of the tree."""
 
 import sqlite3
-from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -11,10 +10,8 @@ import zstandard
 from mpap_cli.errors import LogError
 from mpap_cli.logs.files.chunks import BrokenRecordError
 from mpap_cli.logs.files.salvage_pages import rows_in_pages
-from mpap_cli.logs.reader import LogReader, open_log
-
-Rows = Sequence[tuple[str, int, str]]
-WriteLog = Callable[[str, Rows], Path]
+from mpap_cli.logs.reader import open_log
+from tests.logs.rows import WriteLog, stamps
 
 PAGE_BYTES = 4096
 # Short rows, rows of a few hundred bytes, and rows of several pages.
@@ -24,12 +21,6 @@ ROWS = [
     for number in range(300)
 ]
 STAMPS = [row[1] for row in ROWS]
-
-
-def stamps(reader: LogReader) -> list[int]:
-    """Return the stamps of all messages."""
-    names = [topic.name for topic in reader.topics]
-    return [message.stamp_ns for message in reader.messages(names)]
 
 
 @pytest.fixture

@@ -1,0 +1,104 @@
+"""What ``mpap info`` prints of a model."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from mpap_cli.commands.info import ModelInfo
+from mpap_cli.outputs.evaluate_text import count
+from mpap_cli.outputs.text_table import aligned
+from mpap_cli.systems.labelling import LogSource
+
+
+@dataclass(frozen=True, slots=True)
+class ModelRow:
+    """What ``--format csv`` prints of a log that a model has learnt.
+
+    What was not learnt, of scans or of images, is None.
+    """
+
+    path: str
+    profile: str
+    feature: str
+    bins: int
+    clusters: int | None
+    meta_points: int | None
+    image_clusters: int | None
+    exemplars: int | None
+    log: str
+    scans: int | None
+    images: int | None
+    presses: int | None
+
+
+def model_rows(model: ModelInfo) -> list[ModelRow]:
+    """Return the logs of a model, each with what the model is."""
+    known = model_facts(model)
+    logs = known.pop("logs")
+    return [ModelRow(*known.values(), *log.values()) for log in logs]
+
+
+def model_facts(model: ModelInfo) -> dict[str, Any]:
+    """Return what ``--format json`` prints of a model."""
+    models = model.models
+    scans, images = models.collision, models.appearance
+    return {
+        "path": str(model.path),
+        "profile": models.settings.profile,
+        "feature": models.settings.scan.feature,
+        "bins": models.settings.scan.bins,
+        "clusters": len(scans.clusters()) if scans is not None else None,
+        "meta_points": scans.meta_points.n_points if scans is not None else None,
+        "image_clusters": len(images.rows()) if images is not None else None,
+        "exemplars": images.two_scale.n_clusters if images is not None else None,
+        "logs": [
+            {
+                "name": log.name,
+                "scans": _observed(log, scans.logs if scans is not None else ()),
+                "images": _observed(log, images.logs if images is not None else ()),
+                "presses": log.n_presses,
+            }
+            for log in models.logs
+        ],
+    }
+
+
+def _observed(wanted: LogSource, logs: tuple[LogSource, ...]) -> int | None:
+    """Return how much one model has learnt from a log; None if it has not seen it."""
+    seen = [
+        log.n_observations
+        for log in logs
+        if (log.name, log.start_ns) == (wanted.name, wanted.start_ns)
+    ]
+    return sum(seen) if seen else None
+
+
+def model_text(model: ModelInfo) -> str:
+    """Lay out what a model knows."""
+    facts = model_facts(model)
+    lines = [f"{model.path}: model of profile {facts['profile']}"]
+    if facts["clusters"] is not None:
+        lines.append(
+            f"  scans: {facts['feature']}, {facts['bins']} bins: "
+            f"{count(facts['clusters'], 'cluster')}, {count(facts['meta_points'], 'meta-point')}"
+        )
+    if facts["image_clusters"] is not None:
+        lines.append(
+            f"  images: {count(facts['image_clusters'], 'cluster')} of patches, "
+            f"{count(facts['exemplars'], 'exemplar')}"
+        )
+    cells = [("  log", "scans", "images", "presses")]
+    cells += [
+        (
+            f"  {log['name']}",
+            _number(log["scans"]),
+            _number(log["images"]),
+            _number(log["presses"]),
+        )
+        for log in facts["logs"]
+    ]
+    lines += aligned(cells, right={1, 2, 3})
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _number(value: int | None) -> str:
+    return "-" if value is None else f"{value:,}"

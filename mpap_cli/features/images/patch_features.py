@@ -1,0 +1,165 @@
+"""Camera images become embedded patches (section 4.2.2)."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import astuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpap_cli.features.images import _kernels
+from mpap_cli.features.images.image_decode import COMPRESSED, Image, decode_frame, decode_scaled
+from mpap_cli.features.images.lbp import uniform_codes
+from mpap_cli.features.images.patches import lay_out_patches
+from mpap_cli.features.images.pixel_formats import RAW_ENCODINGS
+from mpap_cli.features.images.pixels._kernels import describe_pixels
+from mpap_cli.observations import Float32Array, Frame, PatchBlock
+from mpap_cli.params import ImageParams
+
+BROKEN = "cut off or not decodable"
+BLACK = "black"
+SIZE_CHANGES = "size changes"
+ENCODING_CHANGES = "encoding changes"
+# A covered lens leaves no pixel above the first bin of the value.
+_BRIGHT = slice(_kernels.COLOR_BINS - _kernels.CHANNEL_BINS + 1, _kernels.COLOR_BINS)
+
+_Described = tuple[NDArray[np.uint16], NDArray[np.uint8]]
+
+
+class PatchEmbedder:
+    """Turn camera images into blocks of embedded patches.
+
+    Parameters
+    ----------
+    params : ImageParams
+        Grid, working image, operator of the texture, weight of the color.
+
+    Attributes
+    ----------
+    n_dims : int
+        Number of dimensions of a patch: 109.
+    rows, columns, n_patches : int
+        Those of the grid.
+    skipped : Counter
+        How many images were left out, by reason: ``cut off or not decodable``, ``black``
+        (no pixel reaches 16 of 255), ``encoding NAME`` (not read).
+    changes : Counter
+        ``size changes``, ``encoding changes``: how often an image had another size or
+        encoding than the one before; such images are used.
+
+    Notes
+    -----
+    A patch is described by two histograms. Color: the marginals of hue, saturation and
+    value, 16 bins each, of OpenCV's 8-bit HSV, each of mass 1/3. Texture: the uniform local
+    binary patterns of the gray image, 59 bins; pixels at the border of the working image
+    have no pattern. u = [sqrt(w) u_color, sqrt(1 - w) u_texture] has length 1, so d^2 of
+    equation 7 is w d_color^2 + (1 - w) d_texture^2. Each part ends with the coordinate that
+    :func:`mpap_cli.distance.embed` adds, 0 here since no patch is empty.
+    """
+
+    def __init__(self, params: ImageParams) -> None:
+        self.params = params
+        grid = lay_out_patches(params)
+        self.rows, self.columns = grid.rows, grid.columns
+        self.n_patches = grid.rows * grid.columns
+        self.n_dims = _kernels.COLOR_BINS + 1 + _kernels.TEXTURE_BINS + 1
+        self._grid = np.array(astuple(grid), np.int64)
+        self._uniform = uniform_codes()
+        self._size, self._smallest = params.width_height(), _smallest(params)
+        self.for_log()
+
+    def for_log(self) -> None:
+        """Begin another log: count anew, and expect no size or encoding."""
+        self.skipped: Counter[str] = Counter()
+        self.changes: Counter[str] = Counter()
+        self._last: tuple[str, tuple[int, int]] | None = None
+
+    def transform(self, frames: Sequence[Frame]) -> PatchBlock:
+        """Decode images and describe their patches.
+
+        Parameters
+        ----------
+        frames : sequence of Frame
+            Consecutive images of one log.
+
+        Returns
+        -------
+        PatchBlock
+            Of the images that can be used; the others are counted in ``skipped``.
+        """
+        features = np.empty((len(frames), self.n_patches, self.n_dims), np.float32)
+        described = np.empty(self._size[::-1], np.uint16), np.empty(self._size[::-1], np.uint8)
+        kept: list[int] = []
+        for position, frame in enumerate(frames):
+            image = self._working_image(frame)
+            if image is not None and self._describe(image, described, features[len(kept)]):
+                kept.append(position)
+        return PatchBlock(
+            stamps_ns=np.array([frames[position].stamp_ns for position in kept], np.int64),
+            features=features[: len(kept)],
+            kept=np.array(kept, np.int64),
+        )
+
+    def _describe(self, image: Image, described: _Described, features: Float32Array) -> bool:
+        """Write the features of the patches of a working image, unless it is black."""
+        describe_pixels(image, *described, circular=self.params.lbp == "circular")
+        counts = _kernels.count_patches(*described, self._grid, self._uniform)
+        if not counts[:, _BRIGHT].any():
+            self.skipped[BLACK] += 1
+            return False
+        _kernels.embed_counts(counts, self.params.color_weight, features)
+        return True
+
+    def _working_image(self, frame: Frame) -> Image | None:
+        """Return the working image, or count why there is none."""
+        if frame.encoding != COMPRESSED and frame.encoding not in RAW_ENCODINGS:
+            self.skipped[f"encoding {frame.encoding}"] += 1
+            return None
+        decoded = decode_scaled(frame, self._smallest)
+        if decoded is None:
+            self.skipped[BROKEN] += 1
+            return None
+        self._compare(frame.encoding, decoded.size)
+        return _resized(decoded.image, self._size)
+
+    def _compare(self, encoding: str, size: tuple[int, int]) -> None:
+        """Count a change of size or encoding."""
+        last_encoding, last_size = self._last or (encoding, size)
+        if encoding != last_encoding:
+            self.changes[ENCODING_CHANGES] += 1
+        if size != last_size:
+            self.changes[SIZE_CHANGES] += 1
+        self._last = encoding, size
+
+
+def working_image(frame: Frame, params: ImageParams) -> Image | None:
+    """Return the image that features are taken from.
+
+    Parameters
+    ----------
+    frame : Frame
+        As recorded.
+    params : ImageParams
+        ``image_size`` and ``image_decode``.
+
+    Returns
+    -------
+    ndarray of shape (H, W, 3), uint8, or None
+        BGR, of the size ``params.image_size``; None if the image cannot be decoded.
+    """
+    image = decode_frame(frame, _smallest(params))
+    return None if image is None else _resized(image, params.width_height())
+
+
+def _smallest(params: ImageParams) -> tuple[int, int] | None:
+    """Return the size that a JPEG must keep when it is decoded; None: its own."""
+    return params.width_height() if params.image_decode == "scaled" else None
+
+
+def _resized(image: Image, size: tuple[int, int]) -> Image:
+    """Bring an image to a width and height."""
+    import cv2  # noqa: PLC0415  # only where there are images
+
+    if (image.shape[1], image.shape[0]) == size:
+        return image
+    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8)
