@@ -11,6 +11,7 @@ from mpap_cli.commands.replaying import Embed, follow
 from mpap_cli.commands.sources import Source
 from mpap_cli.features.scans.scan_features import FEW_BEAMS
 from mpap_cli.observations import Press
+from mpap_cli.outputs.evaluate_text import count
 from mpap_cli.systems.appearance import AppearanceModel
 from mpap_cli.systems.collision import CollisionModel
 from mpap_cli.systems.labelling import LogSource
@@ -70,7 +71,8 @@ def note_images(source: Source, appearance: AppearanceModel) -> None:
     """Take over which images of a log were left out, and tell what changed within it."""
     source.lost_images.update(appearance.skipped)
     for what, n_changes in (+appearance.changes).items():
-        LOGGER.warning("%s: %s %d times; all images are used", source.name, what, n_changes)
+        times = count(n_changes, "time")
+        LOGGER.warning("%s: %s, %s; all images are used", source.name, what, times)
 
 
 def _tell_of_twice(source: Source, logs: Sequence[LogSource]) -> None:

@@ -59,6 +59,8 @@ PROFILES: dict[str, dict[str, str]] = {
         "learn-target": "contact",
         "readout": "exemplar",
         "obstacle-labels": "plain",
+        "eps": "0.21",
+        "reservoir": "2000",
         "neighbors": "1",
     },
 }
