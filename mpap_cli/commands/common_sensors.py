@@ -3,7 +3,6 @@
 from mpap_cli.commands.selection import LogSelection
 from mpap_cli.commands.sources import open_readable
 from mpap_cli.errors import LogError
-from mpap_cli.logs.reader import expand_paths
 from mpap_cli.logs.topics import choose_roles
 
 
@@ -16,7 +15,7 @@ def common_sensors(selection: LogSelection) -> frozenset[str]:
         Logs and topics; what cannot be read is left to who reads it.
     """
     shared = frozenset({"scan", "image"})
-    for path in {path for word in selection.logs for path in expand_paths([word])}:
+    for path in set(selection.paths()):
         try:
             reader = open_readable(path, selection)
         except LogError:

@@ -8,14 +8,14 @@ from pathlib import Path
 from mpap_cli.commands.exemplars import draw_exemplars
 from mpap_cli.commands.hints import tell_of_appearance, tell_of_heading, tell_of_model
 from mpap_cli.commands.learning import learn_log
-from mpap_cli.commands.models import Models, load_models, save_models
+from mpap_cli.commands.models import Models, begin_models, save_models
 from mpap_cli.commands.patch_images import draw_patches
 from mpap_cli.commands.press_file import press_inputs
 from mpap_cli.commands.progress import Progress, no_progress
 from mpap_cli.commands.recorder import Recorder
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
 from mpap_cli.commands.selection import LogSelection
-from mpap_cli.commands.settings import SettingsRequest, settings_from
+from mpap_cli.commands.settings import SettingsRequest
 from mpap_cli.commands.sources import Losses, open_sources
 from mpap_cli.errors import UsageError
 from mpap_cli.features.scans.scan_features import FEW_BEAMS
@@ -120,7 +120,9 @@ def learn(
         If the results folder cannot be written.
     """
     keep_kernels_writable()
-    models, selection = _models(selection, settings, request.model)
+    models = begin_models(selection, settings, request.model)
+    if request.model is not None:
+        selection = selection.with_sensor_of(models.sensor)
     losses, inputs = Losses(), list[InputFile]()
     with one_thread_each(), ResultsFolder(request.out, "learn") as results:
         began_s, log_s = time.perf_counter(), 0.0
@@ -143,20 +145,6 @@ def learn(
         values = selection.values(models.settings)
         results.commit(values, inputs, models.settings.affinity.seed)
     return learnt
-
-
-def _models(
-    selection: LogSelection, settings: SettingsRequest, older: Path | None
-) -> tuple[Models, LogSelection]:
-    """Return new models, or the older ones that are to go on with their sensors."""
-    if older is None:
-        # the models keep the forward direction, for later logs of the same robot
-        return Models(selection.settings_for(settings_from(settings))), selection
-    if not settings.says_nothing:
-        msg = "--model goes on with the model's own settings; leave out --profile, --set and such"
-        raise UsageError(msg)
-    models = load_models(older)
-    return models, selection.with_sensor_of(models.sensor)
 
 
 def _require_observations(models: Models, recorder: Recorder) -> None:

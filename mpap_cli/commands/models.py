@@ -8,7 +8,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from mpap_cli.errors import ModelError
+from mpap_cli.commands.selection import LogSelection
+from mpap_cli.commands.settings import SettingsRequest, settings_from
+from mpap_cli.errors import ModelError, UsageError
 from mpap_cli.observations import ObservedLog
 from mpap_cli.outputs.model_file import find_model, read_model, write_model
 from mpap_cli.outputs.recording import read_recording
@@ -43,6 +45,25 @@ class Models:
         known = [model.logs for model in (self.collision, self.appearance) if model is not None]
         logs = {(log.name, log.start_ns): log for one in reversed(known) for log in one}
         return tuple(logs.values())
+
+
+def begin_models(selection: LogSelection, settings: SettingsRequest, older: Path | None) -> Models:
+    """Return new models, or the older ones that are to go on.
+
+    Raises
+    ------
+    UsageError
+        If settings are given beside an older model, which has its own.
+    ModelError
+        If the older model cannot be used.
+    """
+    if older is None:
+        # the models keep the forward direction, for later logs of the same robot
+        return Models(selection.settings_for(settings_from(settings)))
+    if not settings.says_nothing:
+        msg = "--model goes on with the model's own settings; leave out --profile, --set and such"
+        raise UsageError(msg)
+    return load_models(older)
 
 
 def load_models(path: Path) -> Models:

@@ -7,12 +7,12 @@ import numpy as np
 
 from mpap_cli.commands.common_sensors import common_sensors
 from mpap_cli.commands.learning import note_images
-from mpap_cli.commands.models import Models, load_models
+from mpap_cli.commands.models import Models, begin_models
 from mpap_cli.commands.progress import Progress, no_progress
 from mpap_cli.commands.replaying import follow
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
 from mpap_cli.commands.selection import LogSelection
-from mpap_cli.commands.settings import SettingsRequest, settings_from
+from mpap_cli.commands.settings import SettingsRequest
 from mpap_cli.commands.sources import Losses, Source, open_sources
 from mpap_cli.errors import UsageError
 from mpap_cli.evaluation.novelty import Boundary, NoveltyMeter, NoveltyRow
@@ -85,7 +85,7 @@ def novelty(
         If the results folder cannot be written.
     """
     keep_kernels_writable()
-    models = _models(selection, settings, request.model)
+    models = begin_models(selection, settings, request.model)
     # a log named again is a return to its place
     selection = replace(selection, once=False)
     if selection.sensor == "auto":
@@ -121,16 +121,6 @@ def novelty(
         boundaries=boundaries,
         exit_code=losses.exit_code,
     )
-
-
-def _models(selection: LogSelection, settings: SettingsRequest, older: Path | None) -> Models:
-    """Return what is known before the first log."""
-    if older is None:
-        return Models(selection.settings_for(settings_from(settings)))
-    if not settings.says_nothing:
-        msg = "--model goes on with the model's own settings; leave out --profile, --set and such"
-        raise UsageError(msg)
-    return load_models(older)
 
 
 def _sensor(selection: LogSelection, models: Models) -> str:

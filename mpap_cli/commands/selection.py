@@ -1,14 +1,17 @@
 """Which logs a user names, and what to read in them."""
 
+import logging
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 from mpap_cli.logs.fields import TimeSource
+from mpap_cli.logs.reader import expand_paths
 from mpap_cli.logs.replay import ReplayOptions
 from mpap_cli.logs.topics import TopicChoice
 from mpap_cli.params import Settings, settings_values
 
+LOGGER = logging.getLogger(__name__)
 OPTIONS = {
     "scan_topic": "--scan-topic",
     "image_topic": "--image-topic",
@@ -69,6 +72,24 @@ class LogSelection:
         return TopicChoice(
             scan=self.scan_topic, image=self.image_topic, bumps=self.bump_topics, bump_from=kind
         )
+
+    def paths(self) -> list[Path]:
+        """Return the logs in the order given.
+
+        Raises
+        ------
+        LogError
+            If a word names nothing.
+        """
+        named = [path for word in self.logs for path in expand_paths([word])]
+        if not self.once:
+            return named
+        found: dict[Path, Path] = {}
+        for path in named:
+            if path.resolve() in found:
+                LOGGER.warning("%s: given twice; read once", path.name)
+            found.setdefault(path.resolve(), path)
+        return list(found.values())
 
     def replay_options(self, sensors: frozenset[str]) -> ReplayOptions:
         """Return the part of the selection that says what is replayed of these sensors."""

@@ -10,7 +10,7 @@ from mpap_cli.commands.press_file import presses_by_hand
 from mpap_cli.commands.selection import LogSelection
 from mpap_cli.commands.sensors import SCAN, sensors_of
 from mpap_cli.errors import LogError
-from mpap_cli.logs.reader import Damage, LogReader, expand_paths, open_log
+from mpap_cli.logs.reader import Damage, LogReader, open_log
 from mpap_cli.logs.replay import Replay
 from mpap_cli.logs.survey import Survey, survey_log
 from mpap_cli.logs.topics import Roles, choose_roles
@@ -108,7 +108,7 @@ def open_sources(selection: LogSelection, settings: Settings, losses: Losses) ->
     UsageError
         If a log has no scan topic, or several.
     """
-    paths = _each_once(selection) if selection.once else _as_named(selection)
+    paths = selection.paths()
     settings = selection.settings_for(settings)
     by_hand = presses_by_hand(selection, paths)
     index, latest_start_ns = 0, None
@@ -236,18 +236,3 @@ def _tell_of(source: Source) -> None:
     LOGGER.info("%s: %s, presses from %s", name, ", ".join(used), presses_from)
     for warning in (*source.reader.warnings, *(f"{name}: {note}" for note in roles.notes)):
         LOGGER.warning("%s", warning)
-
-
-def _as_named(selection: LogSelection) -> list[Path]:
-    """Return the logs in the order given."""
-    return [path for word in selection.logs for path in expand_paths([word])]
-
-
-def _each_once(selection: LogSelection) -> list[Path]:
-    """Return the logs in the order given; what is given twice is read once."""
-    found: dict[Path, Path] = {}
-    for path in _as_named(selection):
-        if path.resolve() in found:
-            LOGGER.warning("%s: given twice; read once", path.name)
-        found.setdefault(path.resolve(), path)
-    return list(found.values())
