@@ -72,11 +72,15 @@ class ObstacleParams:
         0.5, "ours", "driven: odometry goes that share of the farthest it went so within a log"
     )
     neighbors: int = setting(50, "4.2.5", "nearest exemplars that are asked about a patch")
+    patch_prior: float = setting(10.0, "ours", "kernel: pseudo-counts of a patch at the base rate")
     patch_threshold: float = setting(0.5, "4.2.5", "probability from which a patch is an obstacle")
     unknown: str = setting(
         "free", "4.2.6", "what an unknown patch is for the decision", ("free", "obstacle")
     )
     front_rows: int = setting(4, "4.2.6", "free patches ahead that are needed to go straight")
+    side_rows: int = setting(
+        2, "ours", "free patches that are needed in the columns beside those ahead"
+    )
 
     def __post_init__(self) -> None:
         """Check every value before its first use."""
@@ -89,6 +93,8 @@ class ObstacleParams:
         require(1 <= self.neighbors <= 1000, "neighbors", self.neighbors, "1 to 1000")  # noqa: PLR2004
         share = self.patch_threshold
         require(0 <= share <= 1, "patch-threshold", share, "0 to 1")
+        require(self.patch_prior > 0, "patch-prior", self.patch_prior, "more than 0")
+        require(0 <= self.side_rows <= 144, "side-rows", self.side_rows, "0 to 144")  # noqa: PLR2004
         require(1 <= self.front_rows <= 144, "front-rows", self.front_rows, "1 to 144")  # noqa: PLR2004
         self.labelled_rows()
 

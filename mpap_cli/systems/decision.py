@@ -15,7 +15,7 @@ class Decider:
     Parameters
     ----------
     params : ObstacleParams
-        ``patch_threshold``, ``unknown``, ``front_rows``.
+        ``patch_threshold``, ``unknown``, ``front_rows``, ``side_rows``.
     shape : tuple of int
         Rows and columns of patches.
 
@@ -24,7 +24,8 @@ class Decider:
     The paper names the free space in front and the directions that make it larger, and no
     formula. Free depth of a column is the number of patches from the bottom up to the first
     obstacle. The robot goes straight if the two middle columns (the middle one, if their
-    number is odd) have a depth of ``front_rows`` or more, at most all rows. Else it rotates
+    number is odd) have a depth of ``front_rows`` or more, at most all rows, and those beside
+    them of ``side_rows``: near the robot its own width covers them too. Else it rotates
     towards the half with more free depth; if both have the same it goes on in the direction
     of the last rotation, left at first, lest it turn back and forth in a corner. It stops if
     no column has any.
@@ -60,10 +61,13 @@ class Decider:
         """
         depth = self._free_depth(self.obstacles(p_obstacle, unknown))
         rows, columns = self._shape
-        front = depth[:, (columns - 1) // 2 : columns // 2 + 1].min(axis=1)
+        first, behind = (columns - 1) // 2, columns // 2 + 1
+        front = depth[:, first:behind].min(axis=1)
+        beside = depth[:, max(first - 1, 0) : behind + 1].min(axis=1)
         half = columns // 2
         more_left = depth[:, :half].sum(axis=1) - depth[:, columns - half :].sum(axis=1)
         turns = front < min(self._params.front_rows, rows)
+        turns |= beside < min(self._params.side_rows, rows)
         stops = turns & (depth.max(axis=1) == 0)
         turns &= ~stops
         actions = np.zeros(len(depth), dtype=np.int8)

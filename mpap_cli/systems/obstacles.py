@@ -1,6 +1,5 @@
 """Which patches are obstacles: their nearest exemplars tell (section 4.2.5)."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -134,7 +133,7 @@ def patch_classifier(
         long-term one. The share of obstacles over all exemplars stands in where nothing
         is counted. Readout ``metapoint`` reads the counts of each exemplar with some
         pseudo-counts at that probability, ``kernel`` the counts of all neighbors, each
-        weighing exp(-d^2 / eps^2), with some pseudo-counts at the base rate.
+        weighing exp(-2 d^2 / eps^2), with some pseudo-counts at the base rate.
 
     Notes
     -----
@@ -151,7 +150,7 @@ def patch_classifier(
         p = np.where(total > 0, own / np.where(total > 0, total, 1.0), p)
     n_short = int(fine.is_short.sum())
     neighbors, eps = settings.obstacle.neighbors, two_scale.strap.eps
-    kernel = Kernel(eps / math.sqrt(2), neighbors, params.prior_counts)
+    kernel = Kernel(eps / 2, neighbors, settings.obstacle.patch_prior)
     return PatchClassifier(
         known=KnownPatches(fine.features, eps),
         cluster=np.append(coarse.clustering.labels, np.full(n_short, -1)),

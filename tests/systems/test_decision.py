@@ -26,13 +26,15 @@ def decide(grids: list[list[str]], front_rows: int = 3) -> list[str]:
         (["......", "......", "......", "..#...", "......", "......"], "rotate-right"),
         (["......", "......", "......", "......", "...#..", "......"], "rotate-left"),
         (["......", ".#....", "......", "......", "......", "......"], "straight"),
+        (["......", "......", "......", ".#....", "......", "......"], "straight"),
+        (["......", "......", "......", "......", ".#....", "......"], "rotate-right"),
         (["......", "......", "......", "......", "......", "######"], "stop"),
         (["......", "......", "......", "......", "......", "#####."], "rotate-right"),
         (["......", "......", "......", "......", "..##..", "......"], "rotate-left"),
     ],
 )
 def test_the_robot_goes_where_it_is_free(grid: list[str], action: str) -> None:
-    """Straight on over three free patches, else to the freer half, else it stops."""
+    """Straight on over three free patches, two beside them, else to the freer half, or it stops."""
     assert decide([grid]) == [action]
 
 
@@ -88,7 +90,9 @@ def reference(obstacles: BoolArray, front_rows: int) -> list[int]:
         middle = {columns // 2, (columns - 1) // 2}
         half = columns // 2
         left, right = sum(depth[:half]), sum(depth[columns - half :])
-        if min(depth[column] for column in middle) >= min(front_rows, rows):
+        beside = {column + step for column in middle for step in (-1, 0, 1)} & set(range(columns))
+        is_wide = min(depth[column] for column in beside) >= min(2, rows)
+        if is_wide and min(depth[column] for column in middle) >= min(front_rows, rows):
             actions.append(0)
         elif max(depth) == 0:
             actions.append(3)

@@ -170,7 +170,7 @@ def test_a_metapoint_is_read_with_pseudo_counts_of_its_cluster() -> None:
 
 
 def test_the_kernel_reads_the_labels_of_the_neighbors() -> None:
-    """Those of the nearest count in full, those at distance 1 by exp(-4), two at the base rate."""
+    """Those of the nearest count in full, those at distance 1 by exp(-8), ten at the base rate."""
     two_scale, ids = two_kinds()
     two_scale.add_labels(ids[0], np.ones(5, dtype=np.bool_))
     two_scale.add_labels(ids[1], np.zeros(5, dtype=np.bool_))
@@ -179,9 +179,9 @@ def test_the_kernel_reads_the_labels_of_the_neighbors() -> None:
     found = patch_classifier(two_scale, cluster_coarsely(two_scale), settings)
 
     p = found.classify(CORNERS[None, :2]).p_obstacle[0]
-    far = np.exp(-1 / 0.5**2)
-    total = 5 + 5 * far + 2
-    np.testing.assert_allclose(p, [(5 + 2 * 0.5) / total, (5 * far + 2 * 0.5) / total])
+    far = np.exp(-2 / 0.5**2)
+    total = 5 + 5 * far + 10
+    np.testing.assert_allclose(p, [(5 + 10 * 0.5) / total, (5 * far + 10 * 0.5) / total])
 
 
 def test_nothing_labelled_gives_no_probability() -> None:
