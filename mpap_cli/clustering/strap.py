@@ -44,8 +44,8 @@ class Strap:
     A cluster weighs at most ``weight_cap`` in a rebuild, else heavy ones could never merge.
     An exemplar stays if no new one is within the fit radius of it: what was explained stays
     explained. Only outliers that enough others support become exemplars
-    (:func:`~mpap_cli.clustering.strap_rows.choosing.eligible`), else a known world would
-    grow by its noise at each rebuild; the rest join the nearest cluster, however far.
+    (:func:`~mpap_cli.clustering.strap_rows.choosing.eligible`), else the noise of a
+    known world would make more at each rebuild; the rest join the nearest cluster, however far.
     """
 
     def __init__(self, strap: StrapParams, affinity: AffinityParams, n_dims: int) -> None:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from mpap_cli.clustering.strap_rows.arrays import Items, single_items
 from mpap_cli.distance import embed
 from mpap_cli.observations import Float32Array, Float64Array
 
@@ -23,3 +24,12 @@ def around(points: Float64Array, distance: float, rng: np.random.Generator) -> F
     moved = points + steps
     made: Float32Array = (moved / np.linalg.norm(moved, axis=1, keepdims=True)).astype(np.float32)
     return made
+
+
+def items_of(points: Float32Array, first_id: int = 0, count: int = 1) -> Items:
+    """Items of these points that stand for so many observations each."""
+    n = len(points)
+    zeros = np.zeros(n, np.int64)
+    items = single_items(points, first_id + np.arange(n), zeros, zeros, log_index=0)
+    items.counts[:], items.weight[:] = count, count
+    return items

@@ -102,7 +102,7 @@ class Reference:
             to_clusters = table([outlier], self.clusters).min(initial=np.inf)
             needed = float(points)
             if points > 1 and to_clusters < (1.5 * self.strap.eps) ** 2:
-                needed = max(points, len(self.outliers) / 25, self.n_since_rebuild / 2000)
+                needed = max(points, self.n_since_rebuild / 500)
             if near[row] >= needed:
                 chosen.append(row)
         return chosen

@@ -4,29 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from mpap_cli.clustering.strap import Strap
-from mpap_cli.clustering.strap_rows.arrays import Items, joined, single_items
-from mpap_cli.clustering.strap_rows.choosing import choose_exemplars, cover, eligible
+from mpap_cli.clustering.strap_rows.arrays import Items, joined
+from mpap_cli.clustering.strap_rows.choosing import choose_exemplars
 from mpap_cli.clustering.strap_rows.state import StrapParts
 from mpap_cli.distance import squared_distances
-from mpap_cli.observations import NS_PER_S, Float32Array
+from mpap_cli.observations import NS_PER_S
 from mpap_cli.params import AffinityParams, StrapParams
-from tests.clustering.blobs import N_DIMS, around, centres
+from tests.clustering.blobs import N_DIMS, around, centres, items_of
 
 AFFINITY = AffinityParams()
 STRAP = StrapParams(eps=0.18, exemplar_points=3)
-
-
-def items_of(points: Float32Array, first_id: int = 0, count: int = 1) -> Items:
-    """Items of these points that stand for so many observations each."""
-    n = len(points)
-    zeros = np.zeros(n, np.int64)
-    items = single_items(points, first_id + np.arange(n), zeros, zeros, log_index=0)
-    items.counts[:], items.weight[:] = count, count
-    return items
 
 
 def strap_of(clusters: Items, reservoir: Items, params: StrapParams) -> Strap:
@@ -182,67 +171,3 @@ def test_a_window_halves_what_was_last_seen_a_window_ago() -> None:
     assert strap.clusters.weight.tolist() == pytest.approx([4.0, 8.0 * 60 / 90, 8.0])
     assert strap.clusters.distortion.tolist() == pytest.approx([0.5, 60 / 90, 1.0])
     assert strap.clusters.counts.tolist() == [8, 8, 8]
-
-
-def test_support_is_counted_within_the_fit_radius() -> None:
-    """Three outliers near one another are enough, two are not, nor are any far apart."""
-    rng = np.random.default_rng(0)
-    kinds = centres(5)
-    outliers = around(kinds[[0, 0, 0, 1, 1, 2, 3]], 0.05, rng)
-
-    rows = eligible(outliers, kinds[4:].astype(np.float32), 7, STRAP)
-
-    assert rows.tolist() == [0, 1, 2]
-
-
-@pytest.mark.parametrize(
-    ("n_near", "n_others", "n_observations", "n_eligible"),
-    [
-        (4, 96, 100, 4),  # one in 25 of the outliers
-        (3, 97, 100, 0),
-        (6, 90, 12_000, 6),  # one in 2,000 of the observations
-        (6, 90, 12_001, 0),
-    ],
-)
-def test_the_fringe_of_a_cluster_needs_more_support(
-    n_near: int, n_others: int, n_observations: int, n_eligible: int
-) -> None:
-    """Outliers at 1.2 times the fit radius of a cluster, among others without support."""
-    rng = np.random.default_rng(0)
-    kinds = centres(1 + n_others)
-    edge = around(kinds[:1], 1.2 * 0.18, rng).astype(np.float64)
-    near = around(np.repeat(edge, n_near, axis=0), 0.005, rng)
-    outliers = np.concatenate([near, kinds[1:].astype(np.float32)])
-
-    fringe = eligible(outliers, kinds[:1].astype(np.float32), n_observations, STRAP)
-    far = eligible(outliers, kinds[1:2].astype(np.float32), n_observations, STRAP)
-
-    assert fringe.tolist() == list(range(n_eligible))
-    assert far.tolist() == list(range(n_near))
-
-
-def test_with_one_point_every_outlier_is_eligible() -> None:
-    """STRAP as it was published."""
-    points = centres(9).astype(np.float32)
-
-    rows = eligible(points, points[:2], 10**6, replace(STRAP, exemplar_points=1))
-
-    assert rows.tolist() == list(range(9))
-
-
-@given(st.integers(0, 2**32 - 1), st.sampled_from([0.05, 0.18, 0.4, 0.9]))
-def test_covering_leaves_nothing_outside(seed: int, eps: float) -> None:
-    """Each item that is to be kept is strictly within the fit radius of an exemplar."""
-    rng = np.random.default_rng(seed)
-    items = items_of(around(centres(12)[rng.integers(0, 12, 60)], 0.15, rng))
-    items.counts[:] = rng.integers(1, 4, 60)
-    start = np.unique(rng.integers(0, 60, 3))
-    kept = np.flatnonzero(rng.random(60) < 0.5)
-
-    exemplars = cover(items, start, kept, eps)
-
-    squared = squared_distances(items.exemplars[kept], items.exemplars[exemplars])
-    assert (squared.min(axis=1, initial=np.inf) < eps * eps).all()
-    assert np.isin(start, exemplars).all()
-    added = np.setdiff1d(exemplars, start)
-    assert np.isin(added, kept).all()

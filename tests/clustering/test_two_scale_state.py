@@ -40,6 +40,7 @@ def test_state_goes_on_exactly() -> None:
     rest = TwoScale.from_state(PARAMS, AFFINITY, half.state())
 
     assert half.n_reservoir > 0
+    assert half.state()["n_since_rebuild"] == rest.state()["n_since_rebuild"] > 0
     for model in (half, rest):
         added = model.add_observations(points[400:], at, at % 9, log_index=1)
         model.add_labels(added.ids, at % 2 == 0)

@@ -10,8 +10,7 @@ from mpap_cli.observations import Float32Array, Float64Array, IntArray
 from mpap_cli.params import AffinityParams, StrapParams
 
 _FRINGE_IN_EPS = 1.5
-_SHARE_OF_OUTLIERS = 1 / 25
-_SHARE_OF_OBSERVATIONS = 1 / 2000
+_SHARE_OF_OBSERVATIONS = 1 / 500
 _NEAR_IN_EPS = 2.0
 _MOST_FOR_MEDIAN = 1000
 # More than float32 products of vectors of length 1 are off.
@@ -43,8 +42,9 @@ def eligible(
     The support of an outlier is the outliers within the fit radius of it, itself included;
     it takes ``exemplar_points`` of them. Within 1.5 times the fit radius of a cluster is the
     fringe of what is known, where noise puts most outliers of a known world: there the
-    support must also be one in 25 of the outliers and one in 2,000 of all observations.
-    With ``exemplar_points`` 1 every outlier is eligible, as STRAP has it.
+    support must also be one in 500 of all observations. That slows the growth of a known
+    world, it does not end it. With ``exemplar_points`` 1 every outlier is eligible, as STRAP
+    has it.
     """
     if strap.exemplar_points == 1:
         return np.arange(len(outliers))
@@ -55,11 +55,8 @@ def eligible(
         from mpap_cli.clustering.strap_rows import _kernels  # noqa: PLC0415  # slow: numba
 
         _, squared = _kernels.nearest(outliers, clusters)
-        persistent = max(
-            len(outliers) * _SHARE_OF_OUTLIERS, n_observations * _SHARE_OF_OBSERVATIONS
-        )
         fringe = squared < (_FRINGE_IN_EPS * eps) ** 2
-        needed[fringe] = np.maximum(needed[fringe], persistent)
+        needed[fringe] = np.maximum(needed[fringe], n_observations * _SHARE_OF_OBSERVATIONS)
     return np.flatnonzero(support >= needed)
 
 
