@@ -3,7 +3,7 @@
 For each seed, and with the two sets of textures exchanged: worlds A and B, the return to A,
 and A in other light with other camera settings. Printed is what was unknown at the start of
 each log, how well obstacles are told in a run through A that was not learnt, and what the
-robot would have decided. The data are simulated, no run is looked at twice.
+robot would have decided.
 
 ``--minutes M`` (6), ``--seeds 0,1,2``, ``--set KEY=VALUE`` for the settings of learning.
 """

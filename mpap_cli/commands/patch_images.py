@@ -28,7 +28,8 @@ def draw_patches(paths: Sequence[Path], model: AppearanceModel, selection: LogSe
         The logs that have just been read.
     """
     exemplars, members = paths
-    wanted = {key for picture in model.pictures() for key in (picture.exemplar, *picture.members)}
+    pictures = model.pictures()
+    wanted = {key for picture in pictures for key in (picture.exemplar, *picture.members)}
     seen = _cut(model, selection, wanted)
     clusters = [
         PatchCluster(
@@ -39,7 +40,7 @@ def draw_patches(paths: Sequence[Path], model: AppearanceModel, selection: LogSe
             exemplar=seen.get(picture.exemplar),
             members=tuple(seen[key] for key in picture.members if key in seen),
         )
-        for picture in model.pictures()
+        for picture in pictures
     ]
     write_patch_exemplars(exemplars, clusters)
     write_members(members, clusters)
