@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 
+from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.commands.learn import LearnRequest, learn
 from mpap_cli.commands.novelty import NoveltyRequest, novelty
 from mpap_cli.commands.predict import predict
-from mpap_cli.commands.predict_images import PredictedImages
-from mpap_cli.commands.predict_request import PredictRequest
-from mpap_cli.commands.selection import LogSelection
+from mpap_cli.commands.predicting.images import PredictedImages
+from mpap_cli.commands.predicting.request import PredictRequest
 from mpap_cli.commands.settings import SettingsRequest
 from mpap_cli.commands.simulate import simulate
 from mpap_cli.evaluation.patch_files import (

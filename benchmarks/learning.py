@@ -6,10 +6,10 @@ from pathlib import Path
 from benchmarks import straightforward
 from benchmarks.measuring import MPAP, children_in_turns, in_turns, run_child, simulated
 from benchmarks.table import Row
+from mpap_cli.commands.inputs.models import load_collision_model
+from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.commands.learn import LearnRequest, LearntScans
 from mpap_cli.commands.learn import learn as run_learn
-from mpap_cli.commands.models import load_collision_model
-from mpap_cli.commands.selection import LogSelection
 from mpap_cli.commands.settings import SettingsRequest
 
 REPEATS = 3

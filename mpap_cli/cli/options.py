@@ -9,7 +9,7 @@ import click
 from mpap_cli.params import PROFILES, SCAN_FEATURE_NAMES
 
 if TYPE_CHECKING:
-    from mpap_cli.commands.selection import LogSelection
+    from mpap_cli.commands.inputs.selection import LogSelection
     from mpap_cli.commands.settings import SettingsRequest
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -212,7 +212,7 @@ def talk(command: Command) -> Command:
 
 def selection(words: dict[str, Any]) -> "LogSelection":
     """Turn the words of :func:`logs` into a record."""
-    from mpap_cli.commands.selection import LogSelection
+    from mpap_cli.commands.inputs.selection import LogSelection
 
     return LogSelection(
         logs=words["logs"],

@@ -42,7 +42,7 @@ def predict(**words: Any) -> int:
     """
     from mpap_cli.cli.printing import print_predicted, progress
     from mpap_cli.commands.predict import predict as run
-    from mpap_cli.commands.predict_request import PredictRequest
+    from mpap_cli.commands.predicting.request import PredictRequest
 
     request = PredictRequest(
         out=words["out"],

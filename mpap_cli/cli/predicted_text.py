@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from mpap_cli.commands.predict import Predicted
-from mpap_cli.commands.predict_images import PredictedImages
-from mpap_cli.commands.predict_scans import PredictedScans
+from mpap_cli.commands.predicting.images import PredictedImages
+from mpap_cli.commands.predicting.scans import PredictedScans
 from mpap_cli.outputs.console import shown
 from mpap_cli.outputs.evaluate_text import count
 

@@ -14,10 +14,10 @@ from mpap_cli.cli.model_text import ModelRow, model_facts, model_rows, model_tex
 from mpap_cli.cli.novelty_text import novelty_text
 from mpap_cli.cli.predicted_text import PredictedRow, predicted_row, predicted_text
 from mpap_cli.commands.info import Infos, LogInfo, ModelInfo
+from mpap_cli.commands.inputs.progress import Report
 from mpap_cli.commands.learn import Learnt
 from mpap_cli.commands.novelty import Novelty
 from mpap_cli.commands.predict import Predicted
-from mpap_cli.commands.progress import Report
 from mpap_cli.errors import UsageError
 from mpap_cli.evaluation.novelty import NoveltyRow
 from mpap_cli.evaluation.rows import AucRow

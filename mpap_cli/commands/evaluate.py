@@ -3,21 +3,21 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from mpap_cli.commands.evaluate_outputs import write_evaluation
-from mpap_cli.commands.evaluate_summary import summarise
-from mpap_cli.commands.learnt import learnt_settings
-from mpap_cli.commands.models import load_collision_model, recorded_beside
-from mpap_cli.commands.observed import (
+from mpap_cli.commands.evaluating.observed import (
     ObservedInput,
     drop_recording,
     learnt_last,
     observe_logs,
 )
-from mpap_cli.commands.progress import Progress, no_progress
+from mpap_cli.commands.evaluating.outputs import write_evaluation
+from mpap_cli.commands.evaluating.summary import summarise
+from mpap_cli.commands.evaluating.variants import make_variants
+from mpap_cli.commands.inputs.models import load_collision_model, recorded_beside
+from mpap_cli.commands.inputs.progress import Progress, no_progress
+from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.commands.learning.learnt import learnt_settings
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
-from mpap_cli.commands.selection import LogSelection
 from mpap_cli.commands.settings import SettingsRequest
-from mpap_cli.commands.variants import make_variants
 from mpap_cli.errors import UsageError
 from mpap_cli.evaluation.groups import group_names
 from mpap_cli.evaluation.rows import AucRow

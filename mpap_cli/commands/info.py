@@ -7,6 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from mpap_cli.commands.inputs.models import Models, load_models
+from mpap_cli.commands.inputs.press_file import presses_by_hand
+from mpap_cli.commands.inputs.press_tracking import LogPresses
+from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.commands.inputs.sources import DAMAGED, Source, open_readable, survey_source
 from mpap_cli.commands.log_facts import (
     bump_facts,
     can_learn,
@@ -15,11 +20,6 @@ from mpap_cli.commands.log_facts import (
     scan_facts,
     topic_facts,
 )
-from mpap_cli.commands.models import Models, load_models
-from mpap_cli.commands.press_file import presses_by_hand
-from mpap_cli.commands.press_tracking import LogPresses
-from mpap_cli.commands.selection import LogSelection
-from mpap_cli.commands.sources import DAMAGED, Source, open_readable, survey_source
 from mpap_cli.errors import LogError
 from mpap_cli.features.images.image_decode import decode_frame
 from mpap_cli.logs.reader import expand_paths

@@ -5,18 +5,18 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from mpap_cli.commands.exemplars import draw_exemplars
-from mpap_cli.commands.hints import tell_of_appearance, tell_of_heading, tell_of_model
-from mpap_cli.commands.learning import learn_log
-from mpap_cli.commands.models import Models, begin_models, save_models
-from mpap_cli.commands.patch_images import draw_patches
-from mpap_cli.commands.press_file import press_inputs
-from mpap_cli.commands.progress import Progress, no_progress
-from mpap_cli.commands.recorder import Recorder
+from mpap_cli.commands.inputs.hints import tell_of_appearance, tell_of_heading, tell_of_model
+from mpap_cli.commands.inputs.models import Models, begin_models, save_models
+from mpap_cli.commands.inputs.press_file import press_inputs
+from mpap_cli.commands.inputs.progress import Progress, no_progress
+from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.commands.inputs.sources import Losses, open_sources
+from mpap_cli.commands.learning.exemplars import draw_exemplars
+from mpap_cli.commands.learning.models_in_progress import learn_log
+from mpap_cli.commands.learning.patch_images import draw_patches
+from mpap_cli.commands.learning.recorder import Recorder
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
-from mpap_cli.commands.selection import LogSelection
 from mpap_cli.commands.settings import SettingsRequest
-from mpap_cli.commands.sources import Losses, open_sources
 from mpap_cli.errors import UsageError
 from mpap_cli.features.scans.scan_features import FEW_BEAMS
 from mpap_cli.observations import NS_PER_S

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from mpap_cli.commands.sources import Source
+from mpap_cli.commands.inputs.sources import Source
 from mpap_cli.errors import LogError
 from mpap_cli.features.images.image_decode import Image
 from mpap_cli.logs.frames import read_frame

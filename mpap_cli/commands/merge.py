@@ -4,9 +4,9 @@ import logging
 from collections.abc import Sequence
 from pathlib import Path
 
-from mpap_cli.commands.hints import tell_of_model
+from mpap_cli.commands.inputs.hints import tell_of_model
+from mpap_cli.commands.inputs.models import Models, load_models, save_models
 from mpap_cli.commands.learn import CLUSTERS, MODEL, Learnt, learnt_of
-from mpap_cli.commands.models import Models, load_models, save_models
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
 from mpap_cli.errors import ModelError, UsageError
 from mpap_cli.outputs.model_file import find_model

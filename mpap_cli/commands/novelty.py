@@ -5,15 +5,15 @@ from pathlib import Path
 
 import numpy as np
 
-from mpap_cli.commands.common_sensors import common_sensors
-from mpap_cli.commands.learning import note_images
-from mpap_cli.commands.models import Models, begin_models
-from mpap_cli.commands.progress import Progress, no_progress
-from mpap_cli.commands.replaying import follow
+from mpap_cli.commands.inputs.common_sensors import common_sensors
+from mpap_cli.commands.inputs.models import Models, begin_models
+from mpap_cli.commands.inputs.progress import Progress, no_progress
+from mpap_cli.commands.inputs.replaying import follow
+from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.commands.inputs.sources import Losses, Source, open_sources
+from mpap_cli.commands.learning.models_in_progress import note_images
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
-from mpap_cli.commands.selection import LogSelection
 from mpap_cli.commands.settings import SettingsRequest
-from mpap_cli.commands.sources import Losses, Source, open_sources
 from mpap_cli.errors import UsageError
 from mpap_cli.evaluation.novelty import Boundary, NoveltyMeter, NoveltyRow
 from mpap_cli.outputs.model_file import find_model

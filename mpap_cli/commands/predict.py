@@ -3,15 +3,15 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mpap_cli.commands.common_sensors import common_sensors
-from mpap_cli.commands.models import Models, load_models
-from mpap_cli.commands.predict_images import PredictedImages, predict_images
-from mpap_cli.commands.predict_request import PredictRequest
-from mpap_cli.commands.predict_scans import PredictedScans, predict_scans
-from mpap_cli.commands.prediction_log import write_scan_logs
-from mpap_cli.commands.progress import Progress, no_progress
+from mpap_cli.commands.inputs.common_sensors import common_sensors
+from mpap_cli.commands.inputs.models import Models, load_models
+from mpap_cli.commands.inputs.progress import Progress, no_progress
+from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.commands.predicting.images import PredictedImages, predict_images
+from mpap_cli.commands.predicting.prediction_log import write_scan_logs
+from mpap_cli.commands.predicting.request import PredictRequest
+from mpap_cli.commands.predicting.scans import PredictedScans, predict_scans
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
-from mpap_cli.commands.selection import LogSelection
 from mpap_cli.outputs.model_file import find_model
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.results_reader import describe_input

@@ -13,7 +13,7 @@ from mpap_cli.cli.main import mpap
 from mpap_cli.cli.options import FEATURES
 from mpap_cli.cli.simulate import CONTAINERS as CONTAINERS_OFFERED
 from mpap_cli.cli.simulate import WORLDS
-from mpap_cli.commands.selection import OPTIONS, LogSelection
+from mpap_cli.commands.inputs.selection import OPTIONS, LogSelection
 from mpap_cli.evaluation.protocols import PROTOCOLS
 from mpap_cli.logs.writing.storages import CONTAINERS
 from mpap_cli.params import PAPER_FEATURES

@@ -1,7 +1,7 @@
 """Which settings one evaluation scores."""
 
+from mpap_cli.commands.evaluating.variants import make_variants
 from mpap_cli.commands.settings import SettingsRequest
-from mpap_cli.commands.variants import make_variants
 from mpap_cli.params import make_settings
 
 

@@ -1,7 +1,7 @@
 """Which sensors all logs share, where a command needs the same of each."""
 
-from mpap_cli.commands.selection import LogSelection
-from mpap_cli.commands.sources import open_readable
+from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.commands.inputs.sources import open_readable
 from mpap_cli.errors import LogError
 from mpap_cli.logs.topics import choose_roles
 

@@ -3,24 +3,24 @@
 from collections import Counter
 from dataclasses import dataclass, replace
 
-from mpap_cli.commands.annotations import Annotator
-from mpap_cli.commands.image_decisions import JudgedLog, LogDecisions, Outlook
-from mpap_cli.commands.learning import note_images
-from mpap_cli.commands.map_drawing import MapDrawing
-from mpap_cli.commands.predict_request import PredictRequest
-from mpap_cli.commands.predict_scans import PredictedScans
-from mpap_cli.commands.prediction_log import (
+from mpap_cli.commands.inputs.press_file import press_inputs
+from mpap_cli.commands.inputs.progress import Progress
+from mpap_cli.commands.inputs.replaying import follow
+from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.commands.inputs.sensors import IMAGE_AND_SCANS_IF_ANY
+from mpap_cli.commands.inputs.sources import Losses, Source, open_sources
+from mpap_cli.commands.learning.models_in_progress import note_images
+from mpap_cli.commands.predicting.annotations import Annotator
+from mpap_cli.commands.predicting.image_decisions import JudgedLog, LogDecisions, Outlook
+from mpap_cli.commands.predicting.map_drawing import MapDrawing
+from mpap_cli.commands.predicting.prediction_log import (
     prediction_log,
     write_decisions,
     write_presses,
     write_scan_predictions,
 )
-from mpap_cli.commands.press_file import press_inputs
-from mpap_cli.commands.progress import Progress
-from mpap_cli.commands.replaying import follow
-from mpap_cli.commands.selection import LogSelection
-from mpap_cli.commands.sensors import IMAGE_AND_SCANS_IF_ANY
-from mpap_cli.commands.sources import Losses, Source, open_sources
+from mpap_cli.commands.predicting.request import PredictRequest
+from mpap_cli.commands.predicting.scans import PredictedScans
 from mpap_cli.evaluation.leads import Lead
 from mpap_cli.evaluation.rows import DecisionRow, PatchRow
 from mpap_cli.evaluation.stopping import StoppingSummary, Stops, summarize_stops

@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
 
-from mpap_cli.commands.image_decisions import JudgedLog
+from mpap_cli.commands.predicting.image_decisions import JudgedLog
 from mpap_cli.evaluation.timelines import Timeline
 from mpap_cli.logs.writing.event_log import EventLogWriter
 from mpap_cli.observations import BoolArray, IntArray, Press

@@ -4,7 +4,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from mpap_cli.commands.sources import Source
+from mpap_cli.commands.inputs.sources import Source
 from mpap_cli.errors import UsageError
 from mpap_cli.observations import Batch, Press
 from mpap_cli.outputs.recorded_log import RecordedLog

@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Collection, Iterator
 
-from mpap_cli.commands.selection import LogSelection
+from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.errors import LogError
 from mpap_cli.logs.frames import read_frame
 from mpap_cli.logs.reader import LogReader, RawMessage, Topic, expand_paths, open_log

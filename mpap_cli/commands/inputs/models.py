@@ -8,7 +8,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from mpap_cli.commands.selection import LogSelection
+from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.commands.settings import SettingsRequest, settings_from
 from mpap_cli.errors import ModelError, UsageError
 from mpap_cli.observations import ObservedLog

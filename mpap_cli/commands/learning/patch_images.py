@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from mpap_cli.commands.log_images import frames_at
-from mpap_cli.commands.selection import LogSelection
+from mpap_cli.commands.inputs.log_images import frames_at
+from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.features.images.patch_features import working_image
 from mpap_cli.features.images.patches import cut_patches
 from mpap_cli.outputs.canvas import Image

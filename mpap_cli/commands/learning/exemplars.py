@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mpap_cli.commands.log_images import frames_at
-from mpap_cli.commands.selection import LogSelection
+from mpap_cli.commands.inputs.log_images import frames_at
+from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.features.images.image_decode import Image, decode_frame
 from mpap_cli.observations import ObservedLog, ScanBlock
 from mpap_cli.outputs.evaluate_text import count

@@ -5,9 +5,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from mpap_cli.commands.image_decisions import Outlook
-from mpap_cli.commands.prediction_log import IMAGE_TOPIC
-from mpap_cli.commands.sources import Source
+from mpap_cli.commands.inputs.sources import Source
+from mpap_cli.commands.predicting.image_decisions import Outlook
+from mpap_cli.commands.predicting.prediction_log import IMAGE_TOPIC
 from mpap_cli.features.images.image_decode import decode_frame
 from mpap_cli.logs.writing.event_log import EventLogWriter
 from mpap_cli.observations import NS_PER_S, Batch, BoolArray, IntArray

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from mpap_cli.commands.selection import LogSelection
+from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.outputs.results_reader import InputFile, describe_input
 from mpap_cli.properties.press_files import PressRow, presses_from_csv, rows_of_logs
 

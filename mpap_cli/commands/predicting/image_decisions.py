@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpap_cli.commands.press_tracking import LogPresses
-from mpap_cli.commands.sources import Source
+from mpap_cli.commands.inputs.press_tracking import LogPresses
+from mpap_cli.commands.inputs.sources import Source
 from mpap_cli.evaluation.driving import drives_ahead, nearest_straight_ahead, values_at
 from mpap_cli.evaluation.leads import Lead
 from mpap_cli.evaluation.rows import DecisionRow, PatchRow

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpap_cli.commands.evaluate_outputs import timelines_of
-from mpap_cli.commands.observed import drop_recording, observe_logs
-from mpap_cli.commands.progress import Progress
-from mpap_cli.commands.selection import LogSelection
+from mpap_cli.commands.evaluating.observed import drop_recording, observe_logs
+from mpap_cli.commands.evaluating.outputs import timelines_of
+from mpap_cli.commands.inputs.progress import Progress
+from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.evaluation.leads import LeadSummary
 from mpap_cli.evaluation.rows import PressRow, TimelineRow
 from mpap_cli.evaluation.scoring import Variant, evaluate_all

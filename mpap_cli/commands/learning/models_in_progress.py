@@ -3,12 +3,12 @@
 import logging
 from collections.abc import Sequence
 
-from mpap_cli.commands.hints import tell_of_presses
-from mpap_cli.commands.models import Models
-from mpap_cli.commands.progress import Progress
-from mpap_cli.commands.recorder import Recorder
-from mpap_cli.commands.replaying import Embed, follow
-from mpap_cli.commands.sources import Source
+from mpap_cli.commands.inputs.hints import tell_of_presses
+from mpap_cli.commands.inputs.models import Models
+from mpap_cli.commands.inputs.progress import Progress
+from mpap_cli.commands.inputs.replaying import Embed, follow
+from mpap_cli.commands.inputs.sources import Source
+from mpap_cli.commands.learning.recorder import Recorder
 from mpap_cli.features.scans.scan_features import FEW_BEAMS
 from mpap_cli.observations import Press
 from mpap_cli.outputs.evaluate_text import count

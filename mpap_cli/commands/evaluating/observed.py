@@ -4,13 +4,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mpap_cli.commands.press_file import press_inputs
-from mpap_cli.commands.press_tracking import LogPresses
-from mpap_cli.commands.progress import Progress
-from mpap_cli.commands.recorder import Recorder
-from mpap_cli.commands.replaying import follow
-from mpap_cli.commands.selection import LogSelection
-from mpap_cli.commands.sources import Losses, Source, open_sources
+from mpap_cli.commands.inputs.press_file import press_inputs
+from mpap_cli.commands.inputs.press_tracking import LogPresses
+from mpap_cli.commands.inputs.progress import Progress
+from mpap_cli.commands.inputs.replaying import follow
+from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.commands.inputs.sources import Losses, Source, open_sources
+from mpap_cli.commands.learning.recorder import Recorder
 from mpap_cli.errors import UsageError
 from mpap_cli.observations import ObservedLog, Press
 from mpap_cli.outputs.recording import read_recording

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mpap_cli.commands.sources import Source
+from mpap_cli.commands.inputs.sources import Source
 from mpap_cli.features.scans.scan_features import ScanEmbedder
 from mpap_cli.observations import Float64Array, ObservedLog, Press
 from mpap_cli.outputs.evaluate_text import count

@@ -1,6 +1,6 @@
 """The presses of a log while it is replayed, where nothing is learnt from them."""
 
-from mpap_cli.commands.sources import Source
+from mpap_cli.commands.inputs.sources import Source
 from mpap_cli.observations import Batch, Press
 from mpap_cli.params import BumperParams
 from mpap_cli.properties.presses import PressTracker

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from mpap_cli.commands.progress import Progress
-from mpap_cli.commands.sources import Source
+from mpap_cli.commands.inputs.progress import Progress
+from mpap_cli.commands.inputs.sources import Source
 from mpap_cli.observations import NS_PER_S, Batch, Frame, PatchBlock
 from mpap_cli.systems.stream import prefetch
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mpap_cli.commands.image_decisions import Outlook
-from mpap_cli.commands.sources import Source
+from mpap_cli.commands.inputs.sources import Source
+from mpap_cli.commands.predicting.image_decisions import Outlook
 from mpap_cli.features.images.patch_features import working_image
 from mpap_cli.features.images.patches import cut_patches
 from mpap_cli.observations import Batch

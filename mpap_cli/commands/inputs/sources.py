@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mpap_cli.commands.press_file import presses_by_hand
-from mpap_cli.commands.selection import LogSelection
-from mpap_cli.commands.sensors import SCAN, sensors_of
+from mpap_cli.commands.inputs.press_file import presses_by_hand
+from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.commands.inputs.sensors import SCAN, sensors_of
 from mpap_cli.errors import LogError
 from mpap_cli.logs.reader import Damage, LogReader, open_log
 from mpap_cli.logs.replay import Replay
