@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 QUICK := -m "not slow"
+FUZZ_MINUTES ?= 60
 
 .PHONY: demo test check lint layers docs golden fixtures bench soak clean
 
@@ -52,6 +53,9 @@ bench: $(VENV)/.installed-tools
 
 soak: $(VENV)/.installed-tools
 	HYPOTHESIS_PROFILE=soak $(BIN)/python -m pytest -q -n 2 --durations=10
+	PYTHONPATH=. $(BIN)/python benchmarks/fuzz.py --minutes $(FUZZ_MINUTES) fixtures \
+		$(if $(MPAP_SHARED),$(MPAP_SHARED)/data/logs)
+	PYTHONPATH=. $(BIN)/python benchmarks/kills.py --kills 30
 
 clean:
 	rm -rf $(VENV) mpap-out .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage

@@ -3,7 +3,8 @@
 For each seed, and with the two sets of textures exchanged: worlds A and B, the return to A,
 and A in other light with other camera settings. Printed is what was unknown at the start of
 each log, how well obstacles are told in a run through A that was not learnt, and what the
-robot would have decided.
+robot would have decided: before which presses it would have stopped or turned, and before
+which of the contacts that truly met its front, pressed or not.
 
 ``--minutes M`` (6), ``--seeds 0,1,2``, ``--set KEY=VALUE`` for the settings of learning.
 """
@@ -18,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.commands.inputs.sources import Losses, Source, open_sources
 from mpap_cli.commands.learn import LearnRequest, learn
 from mpap_cli.commands.novelty import NoveltyRequest, novelty
 from mpap_cli.commands.predict import predict
@@ -25,20 +27,25 @@ from mpap_cli.commands.predicting.images import PredictedImages
 from mpap_cli.commands.predicting.request import PredictRequest
 from mpap_cli.commands.settings import SettingsRequest
 from mpap_cli.commands.simulate import simulate
+from mpap_cli.evaluation.driving import drives_ahead
 from mpap_cli.evaluation.patch_files import (
     read_free_ahead,
     read_seen_patches,
     read_true_patches,
 )
 from mpap_cli.evaluation.patch_truth import pair_patches, score_free_way, score_patches
+from mpap_cli.evaluation.stopping import announced_contacts
+from mpap_cli.observations import NS_PER_S, Int8Array, IntArray, PoseBlock, Press
+from mpap_cli.params import make_settings
 from mpap_cli.systems.decision import ACTIONS
 
 SWAPS = (("a", "b"), ("b", "a"))
 RUNS = ("A", "held", "B", "A2", "A-light")
 COLUMNS = (
     "seed textures  unknown: B  return  light | auc  p floor  p obst.  unknown  straight  "
-    "foreseen  stop A  stop B"
+    "foreseen  in front  stop A  stop B"
 )
+FRONT_DEG = 45
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,17 +86,19 @@ def play(case: Case, folder: Path, minutes: float, settings: SettingsRequest) ->
         for name in ("B", "held")
     )
     foreseen = "-" if here is None else f"{here.contacts_foreseen}/{here.contacts}"
+    decided = _read_decisions(out / "predict" / "decisions.csv")
     seen = read_seen_patches(out / "predict" / "patches.csv", 0)
     truth = read_true_patches(_beside(logs["held"], "patches"))
     scores = score_patches([pair_patches(seen, truth)])
-    way = _straight_share(out / "predict" / "decisions.csv", _beside(logs["held"], "images"))
+    way = score_free_way(*decided, *read_free_ahead(_beside(logs["held"], "images")))
+    front = _in_front(logs["held"], decided)
     unknown = [boundary.percent_unknown_at_start for boundary in met.boundaries]
     return (
         f"{case.seed:4} {case.here} then {case.there}  {unknown[1]:9.1f}  {unknown[2]:6.1f}  "
         f"{light.boundaries[0].percent_unknown_at_start:5.1f} | {scores.auc:.3f}  "
         f"{scores.mean_p_floor:7.2f}  {scores.mean_p_obstacle:7.2f}  "
-        f"{100 * scores.unknown_share:7.1f}  {way:8.2f}  "
-        f"{foreseen:>8}  {_stops(here)}  {_stops(there)}"
+        f"{100 * scores.unknown_share:7.1f}  {way.straight_share or 0:8.2f}  "
+        f"{foreseen:>8}  {front:>8}  {_stops(here)}  {_stops(there)}"
     )
 
 
@@ -102,14 +111,37 @@ def _beside(log: Path, what: str) -> Path:
     return log.with_name(f"{log.name}.{what}.csv")
 
 
-def _straight_share(decisions: Path, truth: Path) -> float:
-    """Return how often the decision is straight where more than 2 m are free."""
-    with decisions.open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+def _read_decisions(path: Path) -> tuple[IntArray, Int8Array]:
+    """Return stamps and decisions."""
+    rows = _rows(path)
     stamps_ns = np.array([int(row["stamp_ns"]) for row in rows])
-    actions = np.array([ACTIONS.index(row["action"]) for row in rows], dtype=np.int8)
-    share = score_free_way(stamps_ns, actions, *read_free_ahead(truth)).straight_share
-    return float("nan") if share is None else share
+    return stamps_ns, np.array([ACTIONS.index(row["action"]) for row in rows], dtype=np.int8)
+
+
+def _in_front(log: Path, decided: tuple[IntArray, Int8Array]) -> str:
+    """Say before how many of the contacts with the front of the robot it would have stopped."""
+    (source,) = open_sources(_image(log), make_settings(), Losses())
+    blocks = [batch.poses for batch in source.batches() if batch.poses is not None]
+    stamps_ns = np.concatenate([block.stamps_ns for block in blocks])
+    path = PoseBlock(stamps_ns, np.concatenate([block.poses for block in blocks]))
+    contacts = [
+        Press(_moment(source, row["start_s"]), _moment(source, row["end_s"]))
+        for row in _rows(_beside(log, "truth"))
+        if abs(float(row["bearing_deg"])) <= FRONT_DEG
+    ]
+    leads = announced_contacts(*decided, contacts, drives_ahead(decided[0], path))
+    judged = [lead.predicted for lead in leads if lead.predicted is not None]
+    return f"{sum(judged)}/{len(judged)}"
+
+
+def _moment(source: Source, seconds: str) -> int:
+    """Return the stamp of a moment of the truth, which counts from the first message."""
+    return source.start.start_ns + round(float(seconds) * NS_PER_S)
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
 
 
 def _stops(images: PredictedImages | None) -> str:

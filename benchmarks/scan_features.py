@@ -44,7 +44,7 @@ def kernel(_folder: Path) -> list[Row]:
     held = np.full((statistics.size, BINS), np.nan)
 
     def fused() -> object:
-        return _kernels.bin_block(ranges, limits, layout.runs, layout.n_turn, statistics, held)
+        return _kernels.bin_block(ranges, limits, layout.runs, layout.stretch, statistics, held)
 
     mine, copied, plain = in_turns([fused, ranges.copy, lambda: vectorised(ranges)], REPEATS)
     work = f"5 features, {SCANS:,} scans of {BEAMS} beams"

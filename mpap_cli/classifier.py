@@ -133,8 +133,8 @@ def classify(
     -------
     Prediction
         ``p_cluster`` is the share of positives in the cluster, ``p_collision`` the
-        read-out. Without meta-points the distance is infinite; without clusters the
-        cluster is -1. Everything farther than theta from the cluster-points is novel.
+        read-out; ``alarm`` is NaN here. Without meta-points the distance is infinite; without
+        clusters the cluster is -1. Everything farther than theta from the cluster-points is novel.
     """
     model = _model(meta_points, clustered, params, pair)
     rows = max(1, min(_MOST_ROWS, _MOST_DISTANCES // max(1, model.counts.shape[0])))
@@ -148,6 +148,7 @@ def classify(
         novel=np.concatenate([part.novel for part in parts]),
         p_cluster=np.concatenate([part.p_cluster for part in parts]),
         p_collision=np.concatenate([part.p_collision for part in parts]),
+        alarm=np.full(features.shape[0], np.nan),
     )
 
 
@@ -190,6 +191,7 @@ def _classify_chunk(model: _Model, features: FloatArray) -> Prediction:
         novel=~(to_cluster_points < model.theta**2),
         p_cluster=_rate_of(model, cluster),
         p_collision=READOUTS[model.params.readout](model, readings),
+        alarm=np.full(point.size, np.nan),
     )
 
 

@@ -4,7 +4,7 @@ What flows is a block: arrays over n observations. Stamps are integer nanosecond
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ Int8Array = NDArray[np.int8]
 BoolArray = NDArray[np.bool_]
 
 NS_PER_S = 1_000_000_000
+VIDEO_ENCODINGS = frozenset({"h264", "h265", "vp9", "av1"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +53,10 @@ class ScanBlock:
 class Frame:
     """One camera image as recorded, not decoded.
 
-    ``encoding`` is ``compressed`` (JPEG, PNG or WebP, told by the bytes) or an encoding of
-    sensor_msgs/Image; ``width``, ``height`` and ``step`` (bytes a row) are 0 if compressed.
+    ``encoding`` is ``compressed`` (JPEG, PNG or WebP, told by the bytes), an encoding of
+    sensor_msgs/Image, or one of ``VIDEO_ENCODINGS``: then ``payload`` is one packet, and
+    ``place`` tells which packets are decoded before it. ``width``, ``height`` and ``step``
+    (bytes a row) are 0 if compressed.
     """
 
     stamp_ns: int
@@ -62,6 +65,21 @@ class Frame:
     height: int
     step: int
     payload: bytes
+    place: "PacketPlace | None" = field(default=None, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PacketPlace:
+    """Where a packet stands in its video.
+
+    ``number`` counts packets as they were recorded, broken ones too; ``before`` is the
+    packet that this one is decoded after, None where decoding begins or the one before is
+    not kept; ``opened`` tells whether decoding can begin with the first packet so reached.
+    """
+
+    number: int
+    before: Frame | None
+    opened: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +188,9 @@ class Prediction:
 
     ``cluster`` (n,) int64, ``distance`` (n,) float64 to the nearest meta-point,
     ``novel`` (n,) bool: farther than theta from every cluster-point; ``p_cluster`` and
-    ``p_collision`` (n,) float64 in [0, 1], NaN where the model has no labels.
+    ``p_collision`` (n,) float64 in [0, 1], NaN where the model has no labels; ``alarm`` (n,)
+    float64: odds as they were read against those from which an alarm begins, NaN where the
+    model raises none.
     """
 
     cluster: IntArray
@@ -178,6 +198,7 @@ class Prediction:
     novel: BoolArray
     p_cluster: Float64Array
     p_collision: Float64Array
+    alarm: Float64Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,7 +10,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextPath
 
 DOCS = Path(__file__).parent.parent / "docs"
-NAMES = ("processes.svg", "meta-points.svg")
+NAMES = ("processes.svg", "meta-points.svg", "messages.svg", "affinity-run.svg")
 SVG = "{http://www.w3.org/2000/svg}"
 
 

@@ -54,8 +54,9 @@ def evaluate(**words: Any) -> int:
     """Score collision prediction: ROC, AUC, lead times, false alarms, with baselines beside it.
 
     Without LOG it scores what was learnt last in DIR. --feature and --bins select profile
-    paper. Writes auc.csv, roc.csv, timeline.csv, presses.csv, clusters.csv and three plots
-    into DIR/evaluate.
+    paper. Writes auc.csv, differences.csv (from every other method, over the same logs),
+    roc.csv, operating.csv (what each threshold announces), timeline.csv, presses.csv,
+    clusters.csv and three plots into DIR/evaluate.
     """
     from mpap_cli.cli.printing import print_evaluated, progress
     from mpap_cli.commands.evaluate import EvaluateRequest

@@ -5,9 +5,9 @@ from datetime import UTC, datetime
 from typing import Any
 
 from mpap_cli.commands.info import LogInfo
+from mpap_cli.logs.times import is_date
 from mpap_cli.observations import NS_PER_S
-from mpap_cli.outputs.evaluate_text import count
-from mpap_cli.outputs.text_table import aligned, printable
+from mpap_cli.outputs.text_table import aligned, count, printable
 
 CONTAINERS = {
     "bag": "ROS 1 bag",
@@ -117,6 +117,8 @@ def _number(value: float | None) -> str:
 
 def _date(stamp_ns: int) -> str:
     """Return a stamp as a date, or as seconds where it is none (simulated time)."""
+    if not is_date(stamp_ns):
+        return f"{stamp_ns / NS_PER_S:.1f} s (no date: its clock starts at 0)"
     try:
         return f"{datetime.fromtimestamp(stamp_ns / NS_PER_S, UTC):%Y-%m-%d %H:%M:%S} UTC"
     except (OverflowError, OSError, ValueError):

@@ -2,8 +2,7 @@
 
 from mpap_cli.commands.learn import Learnt, LearntImages, LearntScans
 from mpap_cli.outputs.console import shown
-from mpap_cli.outputs.evaluate_text import count
-from mpap_cli.outputs.text_table import aligned
+from mpap_cli.outputs.text_table import aligned, count, printable
 from mpap_cli.systems.cluster_rows import ClusterRow
 
 SHOWN_CLUSTERS = 8
@@ -18,7 +17,7 @@ def learnt_text(learnt: Learnt) -> str:
         lines += _scan_lines(learnt.scans, said, learnt.profile)
     if learnt.images is not None:
         lines += _image_lines(learnt.images, said, learnt.profile)
-    lines.append(f"results: {learnt.folder}")
+    lines.append(f"results: {printable(str(learnt.folder))}")
     return "".join(f"{line}\n" for line in lines)
 
 

@@ -1,13 +1,16 @@
 """The ``mpap`` command: finds the subcommand, prints errors, sets the exit code."""
 
 import importlib
+import io
 import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 import click
 
 from mpap_cli import __version__
+from mpap_cli.cli.interruption import interruptible
 from mpap_cli.errors import MpapError
 
 INTERRUPTED = 130
@@ -18,6 +21,8 @@ COMMANDS = {
     "predict": "Predict collisions and obstacles in new logs.",
     "novelty": "How much of each log is new, over time.",
     "merge": "Make one model of several.",
+    "cluster": "Compare clusterers on labelled image patches.",
+    "reproduce": "Make the tables and figures of the paper again.",
     "simulate": "Write the log of a simulated robot, and the truth.",
     "config": "List every setting with its value and origin.",
     "completion": "Print the completion script of a shell.",
@@ -85,8 +90,25 @@ def _say(text: str) -> None:
     click.echo(f"mpap: {printable(text)}", err=True)
 
 
+def _prepare_streams() -> None:
+    """Open what the caller has closed (``>&-``); write names that are no text as tables do."""
+    if sys.stdout is None:  # a file opened later would take its place
+        sys.stdout = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115  # to the end
+    if sys.stderr is None:
+        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115  # to the end
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
+    _prepare_streams()
+    with interruptible():
+        _run(arguments)
+
+
+def _run(arguments: Sequence[str] | None) -> None:
+    """Run a command; errors become one line and an exit code."""
     try:
         code = mpap.main(arguments, prog_name="mpap", standalone_mode=False)
         sys.stdout.flush()

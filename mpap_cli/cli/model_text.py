@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mpap_cli.commands.info import ModelInfo
-from mpap_cli.outputs.evaluate_text import count
-from mpap_cli.outputs.text_table import aligned
+from mpap_cli.outputs.text_table import aligned, count, printable
 from mpap_cli.systems.labelling import LogSource
 
 
@@ -75,7 +74,7 @@ def _observed(wanted: LogSource, logs: tuple[LogSource, ...]) -> int | None:
 def model_text(model: ModelInfo) -> str:
     """Lay out what a model knows."""
     facts = model_facts(model)
-    lines = [f"{model.path}: model of profile {facts['profile']}"]
+    lines = [f"{printable(str(model.path))}: model of profile {facts['profile']}"]
     if facts["clusters"] is not None:
         lines.append(
             f"  scans: {facts['feature']}, {facts['bins']} bins: "

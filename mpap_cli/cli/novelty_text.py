@@ -2,8 +2,7 @@
 
 from mpap_cli.commands.novelty import Novelty
 from mpap_cli.outputs.console import shown
-from mpap_cli.outputs.evaluate_text import count
-from mpap_cli.outputs.text_table import aligned
+from mpap_cli.outputs.text_table import aligned, count, printable
 
 SHOWN_WINDOWS = 12
 
@@ -35,5 +34,5 @@ def novelty_text(found: Novelty) -> str:
         for boundary in found.boundaries
         if boundary.ratio is not None
     ]
-    lines.append(f"results: {found.folder}")
+    lines.append(f"results: {printable(str(found.folder))}")
     return "".join(f"{line}\n" for line in lines)

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from mpap_cli.commands.predict import Predicted
 from mpap_cli.commands.predicting.images import PredictedImages
 from mpap_cli.commands.predicting.scans import PredictedScans
+from mpap_cli.evaluation.leads import LeadSummary
 from mpap_cli.outputs.console import shown
-from mpap_cli.outputs.evaluate_text import count
+from mpap_cli.outputs.text_table import count, printable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +75,7 @@ def predicted_text(predicted: Predicted) -> str:
         lines += _scan_lines(predicted.scans, predicted)
     if predicted.images is not None:
         lines += _image_lines(predicted.images, predicted)
-    lines.append(f"results: {predicted.folder}")
+    lines.append(f"results: {printable(str(predicted.folder))}")
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -87,14 +88,20 @@ def _scan_lines(scans: PredictedScans, predicted: Predicted) -> list[str]:
             f"{scans.n_novel:,} unlike anything learnt"
         )
     ]
-    leads = scans.leads
-    if leads.judged and leads.median_lead_s is not None:
-        lines.append(
-            f"{leads.announced} of {count(leads.judged, 'press')} announced, "
-            f"median lead {leads.median_lead_s:.1f} s, "
-            f"{shown(leads.false_alarms_per_min)} false alarms a minute"
-        )
-    return lines
+    lines += _announced(scans.leads, "announced")
+    return lines + (_announced(scans.alarms, "announced by alarms") if scans.alarms else [])
+
+
+def _announced(leads: LeadSummary, how: str) -> list[str]:
+    """Say how many presses were announced, how early, and at what price."""
+    if not leads.judged or leads.median_lead_s is None:
+        return []
+    text = (
+        f"{leads.announced} of {count(leads.judged, 'press')} {how}, "
+        f"median lead {leads.median_lead_s:.1f} s, "
+        f"{shown(leads.false_alarms_per_min)} false alarms a minute"
+    )
+    return [text]
 
 
 def _image_lines(images: PredictedImages, predicted: Predicted) -> list[str]:

@@ -20,14 +20,18 @@ from mpap_cli.commands.novelty import Novelty
 from mpap_cli.commands.predict import Predicted
 from mpap_cli.errors import UsageError
 from mpap_cli.evaluation.novelty import NoveltyRow
+from mpap_cli.evaluation.reproduced import ReproducedRow
 from mpap_cli.evaluation.rows import AucRow
 from mpap_cli.outputs import console
 from mpap_cli.outputs.evaluate_text import evaluate_text
+from mpap_cli.outputs.reproduced_text import reproduced_text
 from mpap_cli.outputs.tables import csv_text
+from mpap_cli.outputs.text_table import printable
 from mpap_cli.systems.cluster_rows import ClusterRow
 
 if TYPE_CHECKING:
     from mpap_cli.commands.evaluate import Evaluated  # learn has no need of it
+    from mpap_cli.commands.reproduce import Reproduced
 
 
 def progress(title: str, total_s: float | None) -> AbstractContextManager[Report]:
@@ -55,7 +59,7 @@ def print_evaluated(evaluated: "Evaluated", shape: str) -> None:
         console.print_rows(AucRow, evaluated.rows, shape, sys.stdout)
         return
     sys.stdout.write(evaluate_text(evaluated.summary))
-    sys.stdout.write(f"results: {evaluated.folder}\n")
+    sys.stdout.write(f"results: {printable(str(evaluated.folder))}\n")
 
 
 def print_predicted(predicted: Predicted, shape: str) -> None:
@@ -103,3 +107,12 @@ def print_infos(infos: Infos, shape: str) -> None:
         msg = "--format csv: logs and models have other columns; ask for one kind, or for json"
         raise UsageError(msg)
     sys.stdout.write(csv_text(ModelRow, models) if models else csv_text(TopicRow, topics))
+
+
+def print_reproduced(found: "Reproduced", shape: str) -> None:
+    """Print the tables with the paper's numbers beside ours, and what was found."""
+    if shape != "table":
+        console.print_rows(ReproducedRow, found.rows, shape, sys.stdout)
+        return
+    sys.stdout.write(reproduced_text(found.rows, found.findings))
+    sys.stdout.write(f"results: {printable(str(found.folder))}\n")

@@ -1,4 +1,4 @@
-"""The test of Page and Hinkley: has the share of outliers risen? (section 3.3)."""
+"""Tests of Page and Hinkley: has the share of outliers risen? (section 3.3)."""
 
 import numpy as np
 
@@ -14,11 +14,15 @@ class PageHinkley:
         Rise of the share that is tolerated.
     threshold : float
         Sum of rises above it that is an alarm (lambda).
+    mean : float, optional
+        What a rise is counted from; None: the mean of the stream so far.
 
     Notes
     -----
-    m_t = sum of (x - mean so far - delta); an alarm is m_t - min m > threshold. STRAP's own
-    statistic is another one; the paper names none.
+    m_t = sum of (x - mean - delta); an alarm is m_t - min m > threshold, where m_0 = 0 counts
+    too. STRAP's own statistic is another one; the paper names none. With a given mean that is
+    Page's test: there is an alarm once some stretch of n values up to now sums up to more than
+    threshold + (mean + delta) n.
 
     Examples
     --------
@@ -28,9 +32,10 @@ class PageHinkley:
     2
     """
 
-    def __init__(self, delta: float, threshold: float) -> None:
+    def __init__(self, delta: float, threshold: float, mean: float | None = None) -> None:
         self._delta = delta
         self._threshold = threshold
+        self._mean = mean
         self.reset()
 
     def reset(self) -> None:
@@ -64,7 +69,8 @@ class PageHinkley:
         n, total, m, least = self._state
         lengths = n + np.arange(1.0, values.size + 1)
         totals = total + np.cumsum(values)
-        rises = values - totals / lengths - self._delta
+        means = totals / lengths if self._mean is None else self._mean
+        rises = values - means - self._delta
         followed = np.cumsum(np.concatenate([[m], rises]))[1:]
         minima = np.minimum.accumulate(np.concatenate([[least], followed]))[1:]
         return lengths, totals, followed, minima

@@ -4,7 +4,6 @@ from typing import Self
 
 import numpy as np
 
-from mpap_cli.clustering.page_hinkley import PageHinkley
 from mpap_cli.clustering.strap_rows.arrays import (
     Items,
     absorbed,
@@ -14,8 +13,9 @@ from mpap_cli.clustering.strap_rows.arrays import (
     single_items,
     taken,
 )
-from mpap_cli.clustering.strap_rows.choosing import assign, choose_exemplars, cover, eligible
+from mpap_cli.clustering.strap_rows.choosing import assign, choose_exemplars, cover
 from mpap_cli.clustering.strap_rows.lineage import Lineage
+from mpap_cli.clustering.strap_rows.restarts import Restarts
 from mpap_cli.clustering.strap_rows.state import StrapParts
 from mpap_cli.errors import ModelError
 from mpap_cli.observations import NS_PER_S, BoolArray, Float32Array, Float64Array, IntArray
@@ -28,9 +28,8 @@ class Strap:
     """Clusters with fixed exemplars, and a reservoir of outliers that waits for a rebuild.
 
     A point within the fit radius of an exemplar updates the nearest cluster, else it joins
-    the reservoir. Once the reservoir holds more than ``strap.reservoir`` outliers (or, as an
-    option, the share of outliers has risen) affinity propagation over clusters and outliers
-    makes the clusters anew.
+    the reservoir. Once the reservoir overflows (or, as an option, the share of outliers has
+    risen) affinity propagation over clusters and outliers makes the clusters anew.
 
     Parameters
     ----------
@@ -43,9 +42,12 @@ class Strap:
     -----
     A cluster weighs at most ``weight_cap`` in a rebuild, else heavy ones could never merge.
     An exemplar stays if no new one is within the fit radius of it: what was explained stays
-    explained. Only outliers that enough others support become exemplars
-    (:func:`~mpap_cli.clustering.strap_rows.choosing.eligible`), else the noise of a
-    known world would make more at each rebuild; the rest join the nearest cluster, however far.
+    explained.
+
+    :class:`~mpap_cli.clustering.strap_rows.restarts.Restarts` says when a rebuild comes and
+    when a known place adds no exemplar. Of the outliers of a known place the last
+    ``reservoir`` wait; older ones join the nearest cluster, however far, which counts them
+    and their labels, but they add nothing to its weight and distortion.
     """
 
     def __init__(self, strap: StrapParams, affinity: AffinityParams, n_dims: int) -> None:
@@ -53,14 +55,11 @@ class Strap:
         self._affinity = affinity
         self.clusters = empty_items(0, n_dims)
         self.lineage = Lineage()
-        self.rises = PageHinkley(strap.page_hinkley_delta, strap.page_hinkley_lambda)
+        self.restarts = Restarts(strap)
         self.n_outliers_ever = 0
         self.n_rebuilds = 0
         self._outliers = empty_items(strap.reservoir + 1, n_dims)
         self.n_reservoir = 0
-        self.must_restart = False
-        self.n_since_rebuild = 0
-        self._candidates: IntArray | None = None
 
     @property
     def reservoir(self) -> Items:
@@ -86,18 +85,17 @@ class Strap:
         tuple of ndarray of shape (n,)
             For the first n <= m points, which were added, the ids of the clusters they
             fitted or of the outliers they are, and squared distances to the nearest
-            exemplar, inf without any. ``must_restart`` tells whether a rebuild is due.
+            exemplar, inf without any. ``restarts.is_due`` tells whether a rebuild is due.
         """
         rows, squared = self._nearest(features)
         is_outlier = ~(squared < self._strap.eps**2)
-        n = self._count_until_restart(is_outlier)
-        self.n_since_rebuild += n
-        self._candidates = None
+        n = self.restarts.take(is_outlier, self.n_reservoir)
         rows, squared, is_outlier = rows[:n], squared[:n], is_outlier[:n]
         fits, at = np.flatnonzero(~is_outlier), np.flatnonzero(is_outlier)
         ids = np.empty(n, np.int64)
         ids[fits] = self._fit(rows[fits], squared[fits], stamps_ns[fits])
         ids[at] = self.lineage.issue(len(at))
+        self.n_outliers_ever += len(at)
         self._keep(single_items(features[at], ids[at], stamps_ns[at], patches[at], log_index))
         return ids, squared
 
@@ -109,19 +107,6 @@ class Strap:
             return np.zeros(len(features), np.int64), np.full(len(features), np.inf)
         return _kernels.nearest(features, self.clusters.exemplars)
 
-    def _count_until_restart(self, is_outlier: BoolArray) -> int:
-        """Return how many points can be added before a rebuild must come; note if it must."""
-        room = self._strap.reservoir - self.n_reservoir
-        outliers = np.flatnonzero(is_outlier)
-        self.must_restart = len(outliers) > room
-        n = int(outliers[room]) + 1 if self.must_restart else len(is_outlier)
-        if self._strap.page_hinkley:
-            alarm = self.rises.first_alarm(is_outlier[:n])
-            self.must_restart |= alarm is not None
-            n = n if alarm is None else alarm
-            self.rises.add(is_outlier[:n])
-        return n
-
     def _fit(self, rows: IntArray, squared: Float64Array, stamps_ns: IntArray) -> IntArray:
         """Update clusters with points that fit; return the ids of the clusters."""
         from mpap_cli.clustering.strap_rows import _kernels  # noqa: PLC0415  # slow: numba
@@ -131,19 +116,24 @@ class Strap:
         return self.clusters.ids[rows]
 
     def _keep(self, outliers: Items) -> None:
-        """Append outliers to the reservoir."""
+        """Append outliers to the reservoir; the oldest of more than it holds leave it."""
+        most = self._strap.reservoir + self.restarts.is_due
+        n_leaving = self.n_reservoir + outliers.n_items - most
+        if n_leaving > 0:
+            waiting = joined(self.reservoir, outliers)
+            self._settle(taken(waiting, slice(n_leaving)))
+            self.n_reservoir, outliers = 0, taken(waiting, slice(n_leaving, None))
         rows = slice(self.n_reservoir, self.n_reservoir + outliers.n_items)
         for name in Items._fields:
             getattr(self._outliers, name)[rows] = getattr(outliers, name)
         self.n_reservoir += outliers.n_items
-        self.n_outliers_ever += outliers.n_items
 
-    def candidates(self) -> IntArray:
-        """Return the rows of the reservoir that may become exemplars (c,)."""
-        if self._candidates is None:
-            outliers, clusters = self.reservoir.exemplars, self.clusters.exemplars
-            self._candidates = eligible(outliers, clusters, self.n_since_rebuild, self._strap)
-        return self._candidates
+    def _settle(self, outliers: Items) -> None:
+        """Let the nearest clusters count outliers that are too few to matter."""
+        rows, _ = self._nearest(outliers.exemplars)
+        np.add.at(self.clusters.counts, rows, outliers.counts)
+        np.add.at(self.clusters.labels, rows, outliers.labels)
+        self.lineage.replace(outliers.ids, self.clusters.ids[rows])
 
     def update_clustering(self, kept: IntArray = _NOTHING) -> None:
         """Make the clusters anew out of clusters and outliers; the reservoir is empty then.
@@ -155,24 +145,17 @@ class Strap:
             all old exemplars must.
         """
         n_clusters = self.clusters.n_items
-        candidates = n_clusters + self.candidates()
-        if not n_clusters and not candidates.size:
-            candidates = np.arange(self.n_reservoir)
         items = faded(joined(self.clusters, self.reservoir), self._strap.strap_window_s)
         if items.n_items:
             exemplars = np.arange(n_clusters)
-            if candidates.size:
-                exemplars = choose_exemplars(
-                    items, n_clusters, candidates, self._strap, self._affinity
-                )
+            if self.n_reservoir:
+                exemplars = choose_exemplars(items, n_clusters, self._strap, self._affinity)
                 must = np.concatenate([np.arange(n_clusters), n_clusters + kept])
                 exemplars = cover(items, exemplars, must, self._strap.eps)
             labels, squared = assign(items, exemplars)
             self._replace(items, exemplars, labels, squared)
-        self.rises.reset()
-        self.must_restart = False
+        self.restarts.reset()
         self.n_rebuilds += 1
-        self.n_since_rebuild = 0
 
     def _replace(
         self, items: Items, exemplars: IntArray, labels: IntArray, squared: Float64Array
@@ -182,16 +165,16 @@ class Strap:
         self.lineage.replace(items.ids, made.ids[labels])
         self.clusters = taken(made, np.argsort(made.ids))
         self.n_reservoir = 0
-        self._candidates = None
 
     def parts(self) -> StrapParts:
         """Return everything that it knows; arrays are shared, not copied."""
         return StrapParts(
             clusters=self.clusters,
             reservoir=self.reservoir,
-            rises=self.rises.state,
+            surplus=self.restarts.surplus.state,
+            rises=self.restarts.rises.state,
             next_id=self.lineage.next_id,
-            n_since_rebuild=self.n_since_rebuild,
+            n_since_rebuild=self.restarts.n_points,
             n_outliers_ever=self.n_outliers_ever,
             n_rebuilds=self.n_rebuilds,
         )
@@ -216,8 +199,7 @@ class Strap:
         made.lineage = Lineage(
             np.concatenate([made.clusters.ids, made.reservoir.ids]), parts.next_id
         )
-        made.rises.state = parts.rises
-        made.n_since_rebuild = parts.n_since_rebuild
+        made.restarts.resume(parts.n_since_rebuild, parts.surplus, parts.rises)
         made.n_outliers_ever, made.n_rebuilds = parts.n_outliers_ever, parts.n_rebuilds
         return made
 

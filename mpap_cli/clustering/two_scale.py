@@ -75,8 +75,10 @@ class TwoScale(LongClusters):
     -----
     The paper updates the short-term model with each outlier; here it is made when it is
     asked for, which gives the same whenever it is read. Label counts are never lost: their
-    sum over clusters and reservoir stays the same through rebuilds. After a rebuild every
-    former exemplar, long-term and short-term, is within the fit radius of a new one.
+    sum over clusters and reservoir stays the same through rebuilds, and as outliers leave the
+    reservoir of a known place. After a rebuild every former exemplar, long-term and
+    short-term, is within the fit radius of a new one. When a place is known, and from what on
+    it is not any more, :class:`~mpap_cli.clustering.strap_rows.restarts.Restarts` says.
 
     Examples
     --------
@@ -131,7 +133,7 @@ class TwoScale(LongClusters):
             added = slice(start, start + len(new_ids))
             ids[added], squared[added] = new_ids, new_squared
             start = added.stop
-            if self._long.must_restart:
+            if self._long.restarts.is_due:
                 self.rebuild()
         if m:
             self._fine = None
@@ -159,10 +161,8 @@ class TwoScale(LongClusters):
 
     def _short_exemplars(self) -> IntArray:
         """Cluster the outliers; return the rows of the exemplars in the reservoir (line 4)."""
-        candidates = self._long.candidates()
-        s = similarities(self._long.reservoir.exemplars[candidates], self.affinity.similarity)
-        clustering = affinity_propagation(s, resolve_preference(s, "median"), self.affinity)
-        return candidates[clustering.exemplars]
+        s = similarities(self._long.reservoir.exemplars, self.affinity.similarity)
+        return affinity_propagation(s, resolve_preference(s, "median"), self.affinity).exemplars
 
     def current_ids(self, ids: IntArray) -> IntArray:
         """Return the ids of what these ids stand for now, -1 for unknown ones (m,)."""

@@ -19,6 +19,7 @@ from mpap_cli.commands.log_facts import (
     image_facts,
     scan_facts,
     topic_facts,
+    undefined_facts,
 )
 from mpap_cli.errors import LogError
 from mpap_cli.features.images.image_decode import decode_frame
@@ -127,6 +128,7 @@ def _log_info(source: Source) -> LogInfo:
     frame = first_frame(reader, roles)
     image = decode_frame(frame) if frame is not None else None
     undecoded = roles.image is not None and image is None
+    several = roles.image is None and roles.image_candidates
     facts = {
         "path": str(reader.path),
         "container": reader.container,
@@ -141,6 +143,9 @@ def _log_info(source: Source) -> LogInfo:
         "warnings": [
             *reader.warnings,
             *roles.notes,
+            *([f"no image topic is chosen: {roles.image_reason}"] if several else []),
+            *undefined_facts(reader),
+            *source.replay.clock_findings(),
             *(f"{count} skipped: {reason}" for reason, count in source.replay.skipped.items()),
             *(["the first image could not be decoded"] if undecoded else []),
         ],

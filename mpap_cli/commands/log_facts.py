@@ -12,10 +12,14 @@ from mpap_cli.logs.listing import messages_of
 from mpap_cli.logs.reader import LogReader
 from mpap_cli.logs.survey import Survey
 from mpap_cli.logs.topics import Roles
+from mpap_cli.logs.video.links import PacketLinks, linked_frames
+from mpap_cli.logs.video.packets import VIDEO_TYPES
 from mpap_cli.observations import NS_PER_S, BoolArray, Frame, Press
-from mpap_cli.outputs.evaluate_text import count
+from mpap_cli.outputs.text_table import count
 
 RETURNS = "valid"
+_MOST_NAMED = 5
+_LEAST_DURATION_NS = NS_PER_S // 1000
 
 
 def role(roles: Roles, name: str) -> str | None:
@@ -29,8 +33,10 @@ def role(roles: Roles, name: str) -> str | None:
 
 
 def rate(n_messages: int, duration_ns: int) -> float | None:
-    """Return messages per second between the first and the last of the log."""
-    return round(n_messages * NS_PER_S / duration_ns, 2) if duration_ns > 0 else None
+    """Return messages per second of the log; None if it is shorter than a millisecond."""
+    if duration_ns < _LEAST_DURATION_NS:
+        return None
+    return round(n_messages * NS_PER_S / duration_ns, 2)
 
 
 def topic_facts(reader: LogReader, roles: Roles) -> list[dict[str, Any]]:
@@ -46,6 +52,16 @@ def topic_facts(reader: LogReader, roles: Roles) -> list[dict[str, Any]]:
         }
         for topic in reader.topics
     ]
+
+
+def undefined_facts(reader: LogReader) -> list[str]:
+    """Say which types cannot be read for want of a definition."""
+    types = reader.undefined_types()
+    if not types:
+        return []
+    names = ", ".join(types[:_MOST_NAMED])
+    more = f" and {len(types) - _MOST_NAMED} more" if len(types) > _MOST_NAMED else ""
+    return [f"no definition of {names}{more}; to use them name their folder with --msgs DIR"]
 
 
 def bump_facts(source: Source, presses: tuple[Press, ...], pressed: BoolArray) -> dict[str, Any]:
@@ -75,10 +91,20 @@ def scan_facts(roles: Roles, survey: Survey, n_scans: int) -> dict[str, Any] | N
 
 
 def first_frame(reader: LogReader, roles: Roles) -> Frame | None:
-    """Return the first image of the camera, None if there is none or it is broken."""
-    message = next(messages_of(reader, roles.image), None) if roles.image is not None else None
+    """Return the first image of the camera, None if there is none or it is broken.
+
+    Of video it is the first that needs no other.
+    """
+    topic = roles.image
+    message = next(messages_of(reader, topic), None) if topic is not None else None
+    if topic is None or message is None:
+        return None
+    if topic.msgtype in VIDEO_TYPES:
+        links = PacketLinks()
+        frames = linked_frames(reader, topic, links)
+        return next((frame for frame in frames if links.opened), None)
     try:
-        return read_frame(reader, message) if message is not None else None
+        return read_frame(reader, message)
     except LogError:
         return None
 

@@ -42,12 +42,13 @@ class NoveltyRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Novelty:
-    """What was new, and where it lies."""
+    """What was new, and where it lies; ``models`` know what they learnt on the way."""
 
     folder: Path
     sensor: str
     rows: list[NoveltyRow]
     boundaries: list[Boundary]
+    models: Models
     exit_code: int = 0
 
 
@@ -119,15 +120,17 @@ def novelty(
         sensor=sensor,
         rows=rows,
         boundaries=boundaries,
+        models=models,
         exit_code=losses.exit_code,
     )
 
 
 def _sensor(selection: LogSelection, models: Models) -> str:
-    """Return image if every log (and the model) has images, else scan."""
+    """Return image if every log (and the model) has images, or not every one has scans."""
     if models.sensor in {"scan", "image"}:
         return models.sensor
-    return "image" if "image" in common_sensors(selection) else "scan"
+    shared = common_sensors(selection)
+    return "scan" if "scan" in shared and "image" not in shared else "image"
 
 
 def _meet_images(

@@ -8,6 +8,8 @@ from pathlib import Path
 from mpap_cli.errors import MpapError, SettingError, UsageError
 from mpap_cli.params import PROFILES, Settings, make_settings, setting_fields, settings_values
 
+_LARGEST_CONFIG = 1 << 16
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SettingsRequest:
@@ -138,17 +140,27 @@ def _read_toml(path: Path) -> dict[str, str]:
     """Read a flat TOML file of settings as texts."""
     try:
         with path.open("rb") as file:
-            loaded = tomllib.load(file)
+            content = file.read(_LARGEST_CONFIG + 1)
+        loaded = tomllib.loads(content[:_LARGEST_CONFIG].decode())
+        texts = {key: _text(value) for key, value in loaded.items()}
     except OSError as error:
         msg = f"--config {path}: {(error.strerror or str(error)).lower()}"
         raise MpapError(msg) from error
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (ValueError, RecursionError) as error:
         msg = f"--config {path.name}: {error}"
         raise SettingError(msg) from error
-    texts = {}
-    for key, value in loaded.items():
-        if isinstance(value, (dict, list)):
+    if len(content) > _LARGEST_CONFIG:
+        msg = f"--config {path.name}: larger than {_LARGEST_CONFIG:,} bytes; give KEY = VALUE lines"
+        raise SettingError(msg)
+    for key, text in texts.items():
+        if text is None:
             msg = f"--config {path.name}: {key} is a table or list; write one KEY = VALUE per line"
             raise SettingError(msg)
-        texts[key] = str(value).lower() if isinstance(value, bool) else str(value)
-    return texts
+    return {key: text for key, text in texts.items() if text is not None}
+
+
+def _text(value: object) -> str | None:
+    """Return a value of a TOML file as ``--set`` would have it; None for tables and lists."""
+    if isinstance(value, dict | list):
+        return None
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -8,6 +8,8 @@ from pathlib import Path
 from mpap_cli.errors import MpapError, UsageError
 from mpap_cli.observations import ObservedLog
 
+_MOST_SHOWN = 200
+
 
 def group_names(logs: Sequence[ObservedLog], groups: str) -> tuple[str, ...]:
     """Name the group of each log.
@@ -73,7 +75,8 @@ def _listed_groups(path: Path) -> dict[str, str]:
         with path.open(encoding="utf-8-sig", newline="") as file:
             table = csv.DictReader(file)
             if not {"log", "group"} <= set(table.fieldnames or ()):
-                msg = f"--groups {path.name}: found columns {table.fieldnames}, need log and group"
+                found = ", ".join(table.fieldnames or ())[:_MOST_SHOWN] or "none"
+                msg = f"--groups {path.name}: found columns {found}; need log and group"
                 raise UsageError(msg)
             return {row["log"]: row["group"] or "" for row in table}
     except OSError as error:

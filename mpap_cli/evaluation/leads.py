@@ -30,10 +30,15 @@ class Lead:
 
 @dataclass(frozen=True, slots=True)
 class FalseAlarms:
-    """Predicted runs wholly outside contact with a margin of one second, and that time."""
+    """Predicted runs wholly outside contact with a margin of one second, and that time.
+
+    ``alarmed_s`` of the ``seconds`` are predicted, by these runs or by those that go on into
+    a contact: an alarm that never ends is one run.
+    """
 
     runs: int
     seconds: float
+    alarmed_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,19 +46,24 @@ class LeadSummary:
     """Announced presses of those judged, median lead and false alarms a minute.
 
     A missed press counts as a lead of 0 s. ``median_lead_s`` is None without a judged
-    press, ``false_alarms_per_min`` None without time outside contact.
+    press, ``false_alarms_per_min`` and ``alarm_share`` (of that time) None without time
+    outside contact.
     """
 
     announced: int
     judged: int
     median_lead_s: float | None
     false_alarms_per_min: float | None
+    alarm_share: float | None
+
+    @property
+    def recall(self) -> float | None:
+        """Share of the judged presses that were announced, None without any."""
+        return self.announced / self.judged if self.judged else None
 
 
-def press_leads(
-    stamps_ns: IntArray, p: Float64Array, presses: Sequence[Press], threshold: float
-) -> list[Lead]:
-    """Judge each press of one log.
+class PressJudge:
+    """Scans and presses on one clock, to be judged at one threshold after the other.
 
     Parameters
     ----------
@@ -62,57 +72,82 @@ def press_leads(
     p : ndarray of shape (n,)
         Probabilities; NaN where no model spoke.
     presses : sequence of Press
-        Presses of the log.
-    threshold : float
-        A scan with ``p >= threshold`` is predicted.
-
-    Returns
-    -------
-    list of Lead
-        One for each press, in their order.
+        In time order.
 
     Examples
     --------
     >>> stamps = np.array([0, 1, 2, 3]) * NS_PER_S
     >>> p = np.array([0.0, 0.9, 0.9, 0.0])
-    >>> press_leads(stamps, p, [Press(2_500_000_000, 2_600_000_000)], 0.2)
+    >>> judge = PressJudge(stamps, p, [Press(2_500_000_000, 2_600_000_000)])
+    >>> judge.leads(0.2)
     [Lead(predicted=True, lead_s=1.5)]
     """
-    predicted = p >= threshold
-    starts = _run_starts(stamps_ns, predicted, np.isnan(p))
-    first_of_run = np.maximum.accumulate(np.where(starts, np.arange(p.size), 0))
-    leads = []
-    for press in presses:
-        last = int(np.searchsorted(stamps_ns, press.start_ns, side="right")) - 1
-        near = last >= 0 and press.start_ns - stamps_ns[last] <= GAP_NS
-        if press.held_from_start or not near or np.isnan(p[last]):
-            leads.append(Lead(None, None))
-        elif predicted[last]:
-            first_ns = int(stamps_ns[first_of_run[last]])
-            leads.append(Lead(True, (press.start_ns - first_ns) / NS_PER_S))
-        else:
-            leads.append(Lead(False, 0.0))
-    return leads
 
+    def __init__(self, stamps_ns: IntArray, p: Float64Array, presses: Sequence[Press]) -> None:
+        self._stamps_ns = stamps_ns
+        self._p = p
+        self._follows = np.diff(stamps_ns) <= GAP_NS
+        self._starts_ns = [press.start_ns for press in presses]
+        last = np.searchsorted(stamps_ns, self._starts_ns, side="right") - 1
+        self._last = [
+            None
+            if press.held_from_start
+            or index < 0
+            or press.start_ns - stamps_ns[index] > GAP_NS
+            or np.isnan(p[index])
+            else index
+            for press, index in zip(presses, last.tolist(), strict=True)
+        ]
+        known = ~np.isnan(p)
+        self._outside = ~_in_contact(stamps_ns, presses) & known
+        counted = self._outside[1:] & self._outside[:-1] & self._follows
+        self._steps_s = np.where(counted, np.diff(stamps_ns) / NS_PER_S, 0.0)
 
-def false_alarms(
-    stamps_ns: IntArray, p: Float64Array, presses: Sequence[Press], threshold: float
-) -> FalseAlarms:
-    """Count the runs of one log that lie wholly outside contact, and sum that time.
+    @property
+    def p_at_presses(self) -> Float64Array:
+        """Probability at each press that can be judged: it is announced up to that threshold."""
+        return self._p[[index for index in self._last if index is not None]]
 
-    Parameters are those of :func:`press_leads`. A run that touches the second before or
-    after a press belongs to it, however early it began. Time counts between scored scans
-    that follow one another, both outside.
-    """
-    unknown = np.isnan(p)
-    predicted = p >= threshold
-    outside = ~_in_contact(stamps_ns, presses) & ~unknown
-    starts = _run_starts(stamps_ns, predicted, unknown)
-    run = np.cumsum(starts)[predicted] - 1
-    touching = np.bincount(run, ~outside[predicted], minlength=int(starts.sum()))
-    steps = np.diff(stamps_ns)
-    counted = outside[1:] & outside[:-1] & (steps <= GAP_NS)
-    return FalseAlarms(int(np.sum(touching == 0)), float(steps[counted].sum() / NS_PER_S))
+    def leads(self, threshold: float) -> list[Lead]:
+        """Judge each press, where a scan with ``p >= threshold`` is predicted.
+
+        Returns
+        -------
+        list of Lead
+            One for each press, in their order.
+        """
+        predicted = self._p >= threshold
+        starts = self._run_starts(predicted)
+        first_of_run = np.maximum.accumulate(np.where(starts, np.arange(predicted.size), 0))
+        leads = []
+        for start_ns, last in zip(self._starts_ns, self._last, strict=True):
+            if last is None:
+                leads.append(Lead(None, None))
+            elif predicted[last]:
+                first_ns = int(self._stamps_ns[first_of_run[last]])
+                leads.append(Lead(True, (start_ns - first_ns) / NS_PER_S))
+            else:
+                leads.append(Lead(False, 0.0))
+        return leads
+
+    def false_alarms(self, threshold: float) -> FalseAlarms:
+        """Count the runs that lie wholly outside contact, and sum that time.
+
+        A run that touches the second before or after a press belongs to it, however early
+        it began. Time counts between scored scans that follow one another, both outside.
+        """
+        predicted = self._p >= threshold
+        run = np.cumsum(self._run_starts(predicted))
+        touching = np.unique(run[predicted & ~self._outside])
+        n_runs = int(run[-1]) if run.size else 0
+        alarmed_s = float(self._steps_s @ predicted[:-1])
+        return FalseAlarms(n_runs - touching.size, float(self._steps_s.sum()), alarmed_s)
+
+    def _run_starts(self, predicted: BoolArray) -> BoolArray:
+        """Mark the first scan of each run of predicted scans; NaN is never predicted."""
+        starts = predicted.copy()
+        starts[1:] &= ~(predicted[:-1] & self._follows)
+        return starts
 
 
 def summarise(leads: Sequence[Lead], alarms: Sequence[FalseAlarms]) -> LeadSummary:
@@ -125,15 +160,8 @@ def summarise(leads: Sequence[Lead], alarms: Sequence[FalseAlarms]) -> LeadSumma
         judged=len(judged),
         median_lead_s=float(np.median(judged)) if judged else None,
         false_alarms_per_min=runs * 60 / seconds if seconds > 0 else None,
+        alarm_share=sum(part.alarmed_s for part in alarms) / seconds if seconds > 0 else None,
     )
-
-
-def _run_starts(stamps_ns: IntArray, predicted: BoolArray, unknown: BoolArray) -> BoolArray:
-    """Mark the first scan of each run of predicted scans."""
-    starts = predicted & ~unknown
-    follows = predicted[:-1] & (np.diff(stamps_ns) <= GAP_NS)
-    starts[1:] &= ~follows
-    return starts
 
 
 def _in_contact(stamps_ns: IntArray, presses: Sequence[Press]) -> BoolArray:

@@ -5,22 +5,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mpap_cli.evaluation.areas import Areas, Resampling, measure_areas
 from mpap_cli.evaluation.calibration import Calibration, calibration
-from mpap_cli.evaluation.intervals import area_interval
+from mpap_cli.evaluation.operating import OperatingPoint, operating_points
+from mpap_cli.evaluation.reasons import why_empty
 from mpap_cli.evaluation.roc import (
     Curve,
     Scored,
-    area_per_log,
     area_under_curve,
     average_precision,
     roc_curve,
 )
 from mpap_cli.evaluation.rows import AucRow, RocRow
 from mpap_cli.evaluation.sheets import Sheet, has_both_labels
-from mpap_cli.observations import BoolArray, Float64Array
+from mpap_cli.observations import BoolArray, Float64Array, Int8Array
 from mpap_cli.params import EvaluationParams
-
-CIRCULAR = "the presses were made from the scan itself: scoring them by the scan is circular"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,17 +65,22 @@ class Asked:
     seed: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Marks:
     """Marks of one method; ``reason`` says in words why the area is empty, else "".
 
-    ``curve`` and ``calibration`` are of the held-out scores, None without any.
+    ``curve`` and ``calibration`` are of the held-out scores, None without any; ``visible``
+    are the areas without the presses before which nothing near was seen; ``points`` are
+    thresholds and what they announce.
     """
 
     row: AucRow
     curve: Curve | None
     calibration: Calibration | None
     reason: str
+    areas: Areas
+    visible: Areas
+    points: tuple[OperatingPoint, ...]
 
     def roc_rows(self) -> Iterator[RocRow]:
         """Yield the corners of the curve as rows of roc.csv."""
@@ -118,13 +122,61 @@ def mark(name: Name, asked: Asked, sheet: Sheet, outcomes: tuple[Outcome, Outcom
         The area is empty where no fold holds both classes, never one half.
     """
     held_out, in_sample = outcomes
+    found = _found(asked, sheet, held_out)
+    in_sample_area = None if asked.circular else _in_sample_area(asked, sheet, in_sample)
+    return Marks(
+        row=_row(name, asked, sheet, found, in_sample_area),
+        curve=roc_curve(found.scored) if found.has_area else None,
+        calibration=found.calibrated,
+        reason=""
+        if found.has_area
+        else why_empty(sheet, asked.target, found.scored, circular=asked.circular),
+        areas=found.areas,
+        visible=found.visible,
+        points=operating_points(sheet.announcing, held_out.p),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Found:
+    """What the held-out scores of one method gave; ``counted`` is the truth of its scans."""
+
+    scored: Scored
+    counted: Int8Array
+    areas: Areas
+    visible: Areas
+    calibrated: Calibration | None
+
+    @property
+    def has_area(self) -> bool:
+        return self.areas.pooled is not None
+
+
+def _found(asked: Asked, sheet: Sheet, held_out: Outcome) -> _Found:
+    """Score what was held out."""
     chosen = scored_scans(sheet, asked.pair) & ~np.isnan(held_out.score)
-    scored = _scored(sheet, held_out, chosen)
     with_p = chosen & ~np.isnan(held_out.p)
-    calibrated = calibration(held_out.p[with_p], sheet.truth[with_p] == 1)
-    areas = _NO_AREAS if asked.circular else _areas(asked, sheet, scored, chosen)
-    counted = sheet.truth[chosen if chosen.any() else sheet.truth >= 0]
-    row = AucRow(
+    areas = _areas(asked, sheet, held_out, chosen)
+    seen = chosen & (sheet.truth_visible >= 0)
+    return _Found(
+        scored=_scored(sheet, held_out, chosen),
+        counted=sheet.truth[chosen if chosen.any() else sheet.truth >= 0],
+        areas=areas,
+        visible=areas if seen.sum() == chosen.sum() else _areas(asked, sheet, held_out, seen),
+        calibrated=calibration(held_out.p[with_p], sheet.truth[with_p] == 1),
+    )
+
+
+def _row(
+    name: Name, asked: Asked, sheet: Sheet, found: _Found, in_sample_area: float | None
+) -> AucRow:
+    """Lay out the row of auc.csv."""
+    calibrated = found.calibrated
+    low, high = found.areas.pooled_interval()
+    log_low, log_high = found.areas.per_log_interval()
+    visible_low, visible_high = found.visible.pooled_interval()
+    visible_log_low, visible_log_high = found.visible.per_log_interval()
+    return AucRow(
         method=name.method,
         feature=name.feature,
         bins=name.bins,
@@ -133,56 +185,43 @@ def mark(name: Name, asked: Asked, sheet: Sheet, outcomes: tuple[Outcome, Outcom
         target=asked.target,
         protocol=sheet.protocol,
         truth=asked.truth,
-        auc=areas.auc,
-        auc_low=areas.low,
-        auc_high=areas.high,
-        auc_per_log=areas.per_log,
-        folds_scored=areas.folds,
-        auc_in_sample=None if asked.circular else _in_sample_area(asked, sheet, in_sample),
-        average_precision=areas.precision,
+        auc=found.areas.pooled,
+        auc_low=low,
+        auc_high=high,
+        auc_per_log=found.areas.per_log,
+        folds_scored=found.scored.two_class_folds().size if found.has_area else 0,
+        auc_in_sample=in_sample_area,
+        average_precision=average_precision(found.scored) if found.has_area else None,
         brier=calibrated.brier if calibrated else None,
         brier_skill=calibrated.brier_skill if calibrated else None,
         ece=calibrated.ece if calibrated else None,
-        positives=int(np.sum(counted == 1)),
-        negatives=int(np.sum(counted == 0)),
+        positives=int(np.sum(found.counted == 1)),
+        negatives=int(np.sum(found.counted == 0)),
         presses=sheet.n_presses,
         logs=asked.n_logs,
         clusters=name.clusters,
         meta_points=name.meta_points,
+        auc_per_log_low=log_low,
+        auc_per_log_high=log_high,
+        visible_presses=sheet.n_visible,
+        auc_visible=found.visible.pooled,
+        auc_visible_low=visible_low,
+        auc_visible_high=visible_high,
+        auc_visible_per_log=found.visible.per_log,
+        auc_visible_per_log_low=visible_log_low,
+        auc_visible_per_log_high=visible_log_high,
+        calibration_slope=calibrated.slope if calibrated else None,
+        calibration_intercept=calibrated.intercept if calibrated else None,
     )
-    reason = "" if areas.auc is not None else _reason(asked, sheet, scored)
-    return Marks(row, areas.curve, calibrated, reason)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Areas:
-    """What is made of the order of scores; empty without a fold of both classes."""
-
-    auc: float | None = None
-    low: float | None = None
-    high: float | None = None
-    per_log: float | None = None
-    folds: int = 0
-    precision: float | None = None
-    curve: Curve | None = None
-
-
-_NO_AREAS = _Areas()
-
-
-def _areas(asked: Asked, sheet: Sheet, scored: Scored, chosen: BoolArray) -> _Areas:
-    """Make everything that depends on the order of scores only."""
-    unit = None if sheet.unit is None else sheet.unit[chosen]
-    low, high = area_interval(scored, unit, asked.params.resamples, asked.seed) or (None, None)
-    return _Areas(
-        auc=area_under_curve(scored),
-        low=low,
-        high=high,
-        per_log=area_per_log(scored, sheet.rows.log_index[chosen]),
-        folds=scored.two_class_folds().size,
-        precision=average_precision(scored),
-        curve=roc_curve(scored),
-    )
+def _areas(asked: Asked, sheet: Sheet, outcome: Outcome, chosen: BoolArray) -> Areas:
+    """Measure the areas over the chosen scans (n,); none where they would be circular."""
+    kept = np.zeros_like(chosen) if asked.circular else chosen
+    unit = None if sheet.unit is None else sheet.unit[kept]
+    params = asked.params
+    how = Resampling(asked.n_logs, sheet.n_units, params.resamples, asked.seed)
+    return measure_areas(_scored(sheet, outcome, kept), sheet.rows.log_index[kept], unit, how)
 
 
 def scored_scans(sheet: Sheet, pair: int) -> BoolArray:
@@ -208,16 +247,3 @@ def _in_sample_area(asked: Asked, sheet: Sheet, outcome: Outcome) -> float | Non
     chosen = (sheet.truth >= 0) & ~np.isnan(outcome.score)
     one_model = np.zeros(int(chosen.sum()), dtype=np.int64)
     return area_under_curve(Scored(outcome.score[chosen], sheet.truth[chosen] == 1, one_model))
-
-
-def _reason(asked: Asked, sheet: Sheet, scored: Scored) -> str:
-    """Say in words why there is no area."""
-    reasons = (
-        (asked.circular, CIRCULAR),
-        (sheet.rows.n_scans == 0, "no scan could be used"),
-        (not (sheet.truth == 1).any(), f"no positive scan for target {asked.target}"),
-        (not (sheet.truth == 0).any(), f"no negative scan for target {asked.target}"),
-        (sheet.folds.plan.reason != "", sheet.folds.plan.reason),
-        (scored.score.size == 0, "no fold has both classes to learn from"),
-    )
-    return next((words for holds, words in reasons if holds), "no fold has both classes to score")

@@ -3,12 +3,14 @@
 Only features, the nearest range and the bins of the baselines are kept, not the scans.
 """
 
+import logging
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mpap_cli.features.scans.scan_features import ScanEmbedder
+from mpap_cli.features.scans.scan_features import FEW_BEAMS, ScanEmbedder
 from mpap_cli.observations import (
     BoolArray,
     FeatureBlock,
@@ -22,6 +24,8 @@ from mpap_cli.params import ScanParams
 RAW_FEATURE = "min-value"
 RAW_BINS = 12
 RAW_LOOKBACK_S = 1.0
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,13 +90,14 @@ class _Collector:
         """Look at the next log; nothing looks back beyond its start."""
         self._embedder.for_log(log.forward_rad, log.range_max)
 
-    def add(self, index: int, block: ScanBlock) -> None:
-        """Take in the scans of a block."""
+    def add(self, index: int, block: ScanBlock) -> int:
+        """Take in the scans of a block; return how many could not be used."""
         found = self._embedder.transform(block)
         if self._look.plain:
             found = replace(found, features=self._embedder.raw_bins(block))
         self._blocks.append(found)
         self._log_index.append(np.full(found.stamps_ns.size, index, dtype=np.int64))
+        return int(block.stamps_ns.size - found.stamps_ns.size)
 
     def joined(self) -> ScanRows:
         """Return all scans."""
@@ -117,13 +122,18 @@ def observe(logs: Sequence[ObservedLog], looks: Iterable[Look]) -> dict[Look, Sc
     Returns
     -------
     dict of Look to ScanRows
-        One entry for each; scans that a setting cannot use are left out of its.
+        One entry for each; scans that a setting cannot use are left out of its, which a
+        warning counts.
     """
     collectors = {look: _Collector(look) for look in looks}
+    left_out = Counter[str]()
     for index, log in enumerate(logs):
         for collector in collectors.values():
             collector.begin_log(log)
         for block in log.blocks():
-            for collector in collectors.values():
-                collector.add(index, block)
+            skipped = [collector.add(index, block) for collector in collectors.values()]
+            left_out[log.name] += max(skipped, default=0)
+    if left_out.total():
+        names = ", ".join(name for name, number in left_out.items() if number)
+        _log.warning("%s: %d scans skipped: %s", names, left_out.total(), FEW_BEAMS)
     return {look: collector.joined() for look, collector in collectors.items()}

@@ -112,6 +112,7 @@ def _unknown(n_scans: int) -> Prediction:
         novel=np.ones(n_scans, dtype=np.bool_),
         p_cluster=np.full(n_scans, np.nan),
         p_collision=np.full(n_scans, np.nan),
+        alarm=np.full(n_scans, np.nan),
     )
 
 

@@ -103,19 +103,19 @@ def area_under_curve(scored: Scored) -> float | None:
     return ordered / n_pairs if n_pairs else None
 
 
-def area_per_log(scored: Scored, log_index: IntArray) -> float | None:
-    """Mean of the areas of the logs that hold both classes; None if none does.
+def areas_of_logs(scored: Scored, log_index: IntArray, n_logs: int) -> Float64Array:
+    """Area of each log, (n_logs,); NaN where a log lacks one of the classes.
 
     Within a log that several folds share, pairs still stay within their fold.
     """
-    areas = []
+    areas = np.full(n_logs, np.nan)
     for log in np.unique(log_index):
         inside = log_index == log
         part = Scored(scored.score[inside], scored.positive[inside], scored.fold[inside])
         area = area_under_curve(part)
         if area is not None:
-            areas.append(area)
-    return float(np.mean(areas)) if areas else None
+            areas[log] = area
+    return areas
 
 
 def fold_curve(scores: Float64Array, positive: BoolArray) -> Curve:

@@ -9,7 +9,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AucRow:
-    """One method under one target and protocol (a row of auc.csv; Table 4)."""
+    """One method under one target and protocol (a row of auc.csv; Table 4).
+
+    ``visible`` columns leave out the presses before which nothing near was seen; the mean
+    per log is over the logs that hold both classes; slope and intercept are those of the
+    logistic recalibration.
+    """
 
     method: str
     feature: str | None
@@ -35,6 +40,73 @@ class AucRow:
     logs: int
     clusters: int | None
     meta_points: int | None
+    auc_per_log_low: float | None
+    auc_per_log_high: float | None
+    visible_presses: int
+    auc_visible: float | None
+    auc_visible_low: float | None
+    auc_visible_high: float | None
+    auc_visible_per_log: float | None
+    auc_visible_per_log_low: float | None
+    auc_visible_per_log_high: float | None
+    calibration_slope: float | None
+    calibration_intercept: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DifferenceRow:
+    """Area of the first method less that of another, ``against`` (a row of differences.csv).
+
+    ``logs`` hold both classes for both methods. ``diff_per_log`` is the mean over them,
+    ``diff`` that of the areas pooled within each model; both methods are resampled alike.
+    """
+
+    method: str
+    feature: str | None
+    bins: int | None
+    profile: str | None
+    against: str
+    against_feature: str | None
+    against_bins: int | None
+    against_profile: str | None
+    target: str
+    protocol: str
+    truth: str
+    scored: str
+    logs: int
+    diff_per_log: float | None
+    diff_per_log_low: float | None
+    diff_per_log_high: float | None
+    diff: float | None
+    diff_low: float | None
+    diff_high: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OperatingRow:
+    """What one threshold of one method announces (a row of operating.csv).
+
+    A missed press counts as a lead of 0 s; ``alarm_share`` is the share of the time outside
+    contact in which a collision is predicted.
+    """
+
+    method: str
+    feature: str | None
+    bins: int | None
+    profile: str | None
+    target: str
+    protocol: str
+    threshold: float
+    presses: int
+    announced: int
+    recall: float | None
+    median_lead_s: float | None
+    visible_presses: int
+    visible_announced: int
+    visible_recall: float | None
+    visible_median_lead_s: float | None
+    false_alarms_per_min: float | None
+    alarm_share: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,11 +143,16 @@ class TimelineRow:
     truth: int | None
     distance: float | None
     novel: int | None
+    alarm: int | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PressRow:
-    """One press and how early it was announced (a row of presses.csv)."""
+    """One press and how early it was announced (a row of presses.csv).
+
+    ``visible``: something near was seen ahead in the second before it; ``alarm_lead_s`` is
+    the lead of the alarm of profile robust.
+    """
 
     log: str
     log_index: int
@@ -83,6 +160,8 @@ class PressRow:
     end_s: float
     predicted: int | None
     lead_s: float | None
+    visible: int | None
+    alarm_lead_s: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

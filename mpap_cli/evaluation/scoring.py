@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from mpap_cli.errors import UsageError
 from mpap_cli.evaluation.baselines import ReadOut
 from mpap_cli.evaluation.comparisons import Sheets, score_baselines
+from mpap_cli.evaluation.differences import difference_rows
 from mpap_cli.evaluation.marks import Asked, Marks, Name, Outcome, mark
 from mpap_cli.evaluation.observing import Look, ScanRows, observe, raw_look
 from mpap_cli.evaluation.predictions import (
@@ -18,8 +19,10 @@ from mpap_cli.evaluation.predictions import (
     predict_held_out,
     predict_prequential,
 )
+from mpap_cli.evaluation.rows import DifferenceRow
 from mpap_cli.evaluation.sheets import Question, Sheet, make_sheet
 from mpap_cli.evaluation.timelines import Timeline, make_timeline
+from mpap_cli.evaluation.visible import visible_presses
 from mpap_cli.observations import Prediction
 from mpap_cli.params import Settings
 from mpap_cli.properties.labels import EARLY
@@ -43,13 +46,15 @@ class Variant:
 class Evaluation:
     """What an evaluation found.
 
-    ``marks`` are those of the variants, then of the baselines. ``timeline`` is of the
+    ``marks`` are those of the variants, then of the baselines; ``differences`` compare the
+    first with each of the others. ``timeline`` is of the
     first variant. ``models`` were trained on all scans, one for each variant (or are the
     given one); their clusters are the rows of clusters.csv. ``interval_kind`` is what was
     resampled: logs, segments or none; ``reason`` says why the first area is empty, or "".
     """
 
     marks: tuple[Marks, ...]
+    differences: tuple[DifferenceRow, ...]
     timeline: Timeline
     models: tuple[CollisionModel, ...]
     protocol: str
@@ -94,6 +99,7 @@ def evaluate_all(
         If the protocol does not exist, or lacks its groups.
     """
     _check_warning_time(question)
+    question = _seen(question, variants[0].settings)
     settings = [question.target.applied_to(variant.settings) for variant in variants]
     looks = [Look(chosen.scan) for chosen in settings]
     raw = raw_look(settings[0].scan)
@@ -110,19 +116,21 @@ def evaluate_all(
         _log.info("protocol %s: %s", first.sheet.protocol, first.sheet.protocol_reason)
     return Evaluation(
         marks=tuple(marks),
-        timeline=make_timeline(
-            question.logs,
-            question.scored_presses(),
-            first.sheet,
-            first.prediction,
-            question.threshold,
-        ),
+        differences=tuple(difference_rows(marks)),
+        timeline=make_timeline(question, first.sheet, first.prediction, first.settings),
         models=tuple(one.model for one in found),
         protocol=first.sheet.protocol,
         protocol_reason=first.sheet.protocol_reason,
         interval_kind=first.sheet.unit_kind,
         reason=first.marks.reason,
     )
+
+
+def _seen(question: Question, settings: Settings) -> Question:
+    """Find out which of the presses that are scored were visible."""
+    presses = question.scored_presses()
+    visible = visible_presses(question.logs, presses, settings.scan, settings.evaluation)
+    return replace(question, visible=visible)
 
 
 def _score_variant(question: Question, method: str, settings: Settings, rows: ScanRows) -> _Scored:
@@ -162,7 +170,7 @@ def _score_baselines(question: Question, first: _Scored, raw: ScanRows) -> list[
     if question.model_logs is not None:
         looks = Look(settings.scan), raw_look(settings.scan)
         known = observe(question.model_logs, looks)
-        past = replace(question, logs=question.model_logs, groups=None, truth=None)
+        past = replace(question, logs=question.model_logs, groups=None, truth=None, visible=None)
         learnt = Sheets(*(make_sheet(past, settings, known[look]) for look in looks))
     read_out = ReadOut(
         theta=settings.meta_point.theta,

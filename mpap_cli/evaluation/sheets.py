@@ -6,8 +6,10 @@ import numpy as np
 
 from mpap_cli.evaluation.history import Presses, make_history
 from mpap_cli.evaluation.observing import ScanRows
+from mpap_cli.evaluation.operating import JoinedLogs, join_logs
 from mpap_cli.evaluation.protocols import Folds, bootstrap_units, choose_protocol, plan_folds
 from mpap_cli.evaluation.targets import Target
+from mpap_cli.evaluation.visible import Visible
 from mpap_cli.observations import BoolArray, Int8Array, IntArray, ObservedLog
 from mpap_cli.params import Settings
 from mpap_cli.properties.labels import NO_LABEL, label_scans
@@ -24,6 +26,8 @@ class Question:
     log by log (None: those of the bumper, which are always the ones learnt from), and
     ``truth_name`` says what they are: ``bumper``, ``scan``, several joined by +, or the
     base name of a file.
+    ``visible`` tells which of them something near was seen before (None: not looked at,
+    as if of all).
     ``model`` is scored as it is (protocol ``given-model``); ``model_logs`` are the logs
     it learnt from, on which the baselines are fitted.
     """
@@ -35,6 +39,7 @@ class Question:
     threshold: float = 0.2
     truth: tuple[Presses | None, ...] | None = None
     truth_name: str = "bumper"
+    visible: tuple[Visible, ...] | None = None
     model: CollisionModel | None = None
     model_logs: tuple[ObservedLog, ...] | None = None
 
@@ -44,24 +49,38 @@ class Question:
             return self.truth
         return tuple(log.presses for log in self.logs)
 
+    def seen_presses(self) -> tuple[Visible, ...]:
+        """Return for each press that is scored whether it was visible."""
+        if self.visible is not None:
+            return self.visible
+        return tuple((True,) * len(known or ()) for known in self.scored_presses())
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sheet:
     """The n scans of one setting, ready to be learnt and scored.
 
     ``labels`` (n, 3) are learnt, ``truth`` (n,) is scored (1, 0, or -1: not);
-    ``unit`` (n,) is what an interval resamples (None: nothing), ``unit_kind`` its name.
+    ``truth_visible`` (n,) is the same without the positives of presses that were not
+    visible, which are neither positive nor negative in it. ``unit`` (n,) is what an
+    interval resamples, one of ``n_units`` (None: nothing), ``unit_kind`` its name.
+    ``n_presses`` are those that the target can score, ``n_visible`` of them were visible;
+    ``announcing`` is what announcements are judged on.
     """
 
     rows: ScanRows
     labels: Int8Array
     truth: Int8Array
+    truth_visible: Int8Array
     folds: Folds
     unit: IntArray | None
+    n_units: int
     unit_kind: str
     protocol: str
     protocol_reason: str
     n_presses: int
+    n_visible: int
+    announcing: JoinedLogs
 
     def learnable(self, fold: int, pair: int) -> bool:
         """Tell whether the training scans of a fold have both labels of a pair."""
@@ -114,14 +133,45 @@ def make_sheet(question: Question, settings: Settings, rows: ScanRows) -> Sheet:
     plan = plan_folds(protocol, history, question.groups, settings.evaluation)
     times = history.times(rows.log_index, rows.stamps_ns)
     unit, unit_kind = bootstrap_units(history, rows.log_index, times)
+    truth = label_rows(rows, presses, settings)[:, question.target.pair]
     return Sheet(
         rows=rows,
         labels=label_rows(rows, tuple(log.presses for log in question.logs), settings),
-        truth=label_rows(rows, presses, settings)[:, question.target.pair],
+        truth=truth,
+        truth_visible=_without_invisible(question, settings, rows, truth),
         folds=plan.place(rows.log_index, times),
         unit=unit,
+        n_units=history.n_logs if unit_kind == "logs" else history.n_presses,
         unit_kind=unit_kind,
         protocol=protocol,
         protocol_reason=reason,
         n_presses=history.n_presses,
+        n_visible=_n_visible(question),
+        announcing=join_logs(rows.log_index, rows.stamps_ns, presses, question.seen_presses()),
     )
+
+
+def _n_visible(question: Question) -> int:
+    """Count the visible presses among those that the target can score."""
+    return sum(
+        bool(seen) and (question.target.name == "contact" or not press.held_from_start)
+        for known, of_log in zip(question.scored_presses(), question.seen_presses(), strict=True)
+        for press, seen in zip(known or (), of_log, strict=True)
+    )
+
+
+def _without_invisible(
+    question: Question, settings: Settings, rows: ScanRows, truth: Int8Array
+) -> Int8Array:
+    """Take the positives of presses that were not visible out of the truth."""
+    seen = question.seen_presses()
+    if all(one for of_log in seen for one in of_log):
+        return truth
+    visible = tuple(
+        None
+        if known is None
+        else tuple(press for press, one in zip(known, of_log, strict=True) if one)
+        for known, of_log in zip(question.scored_presses(), seen, strict=True)
+    )
+    labels = label_rows(rows, visible, settings)[:, question.target.pair]
+    return np.where((truth == 1) & (labels != 1), np.int8(NO_LABEL), truth)

@@ -131,7 +131,7 @@ def announced_contacts(
     decided while it still backs off or turns away from the last thing says nothing.
     A robot that obeys stops at the first such decision, so the contact would not have
     been, whatever is decided of the pictures behind it. Decisions that hold until
-    the press are those of :func:`mpap_cli.evaluation.leads.press_leads`.
+    the press are those of :class:`mpap_cli.evaluation.leads.PressJudge`.
     """
     leads = []
     free_ns = np.iinfo(np.int64).min

@@ -27,6 +27,8 @@ class Cursor:
         How it is written.
     what : str
         What it is, for errors: ``an image``.
+    headed : bool
+        False: the message begins with a stamp; in ROS 1 a header has a number before it.
 
     Raises
     ------
@@ -40,10 +42,12 @@ class Cursor:
     2000000005
     """
 
-    def __init__(self, payload: memoryview, encoding: str, what: str) -> None:
+    def __init__(
+        self, payload: memoryview, encoding: str, what: str, *, headed: bool = True
+    ) -> None:
         self._payload = payload
         self._what = what
-        self._place = _HEAD_BYTES
+        self._place = _HEAD_BYTES if headed or encoding == "cdr" else 0
         self._order, self._most_aligned = "little", 1
         if encoding == "cdr":
             order = CDR_BYTE_ORDERS.get(payload[1]) if len(payload) >= _HEAD_BYTES else None

@@ -1,21 +1,25 @@
 """Laser scans out of raw payloads, without building the whole message.
 
 The few fields that a scan needs lie at offsets that follow from the length of the frame
-name, so they are read where they are: in CDR of either byte order, in ROS 1 messages and
-in JSON of ``foxglove.LaserScan``.
+name, so they are read where they are: in CDR of either byte order and in ROS 1 messages.
+``foxglove.LaserScan`` is read as a whole.
 """
 
-import json
 import math
 import struct
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from mpap_cli.logs.files.runs import MAX_STAMP_NS
-from mpap_cli.logs.raw import RawMessage
-from mpap_cli.observations import NS_PER_S, FloatArray, ScanGeometry
+from mpap_cli.logs.foxglove import (
+    FOXGLOVE_ENCODINGS,
+    NOT_FOLLOWED,
+    foxglove_fields,
+    foxglove_stamp,
+)
+from mpap_cli.logs.raw import RawMessage, Topic
+from mpap_cli.observations import NS_PER_S, Float32Array, FloatArray, ScanGeometry
 
 TimeSource = Literal["log", "header"]
 ScanFields = tuple[int, FloatArray, ScanGeometry]
@@ -55,7 +59,8 @@ def scan_view(message: RawMessage, time_source: TimeSource = "log") -> ScanField
     Parameters
     ----------
     message : RawMessage
-        A sensor_msgs/LaserScan (``cdr`` or ``ros1``) or foxglove.LaserScan (``json``).
+        A sensor_msgs/LaserScan (``cdr`` or ``ros1``) or foxglove.LaserScan (``json``,
+        ``protobuf``).
     time_source : {"log", "header"}
         Which stamp is wanted: when the message was recorded, or the one inside it.
 
@@ -79,8 +84,8 @@ def scan_view(message: RawMessage, time_source: TimeSource = "log") -> ScanField
     if encoding in LOCATED:
         place, dtype, header_ns, geometry = locate_ranges(payload, encoding)
         ranges: FloatArray = np.frombuffer(payload, dtype, geometry.n_beams, place)
-    elif encoding == "json":
-        header_ns, ranges, geometry = _scan_json(payload)
+    elif encoding in FOXGLOVE_ENCODINGS:
+        header_ns, ranges, geometry = _scan_foxglove(payload, message.topic)
     else:
         msg = f"a scan in encoding {encoding or 'unknown'}"
         raise FieldError(msg)
@@ -120,7 +125,7 @@ def _locate_ros1(payload: bytes) -> ScanLayout:
 
 _LOCATORS = {"cdr": _locate_cdr, "ros1": _locate_ros1}
 LOCATED = frozenset(_LOCATORS)
-SCAN_ENCODINGS = LOCATED | {"json"}
+SCAN_ENCODINGS = LOCATED.union(FOXGLOVE_ENCODINGS)
 
 
 def _unpack_head(head: struct.Struct, payload: bytes) -> tuple[int, int]:
@@ -178,20 +183,24 @@ def _geometry(  # noqa: PLR0913, PLR0917  # the fields of the message, hashed as
     return ScanGeometry(n_beams, angle_min, increment, near, far, name)
 
 
-def _scan_json(payload: bytes) -> ScanFields:
-    """foxglove.LaserScan as JSON; null stands for a beam without return."""
+def _scan_foxglove(payload: bytes, topic: Topic) -> ScanFields:
+    """foxglove.LaserScan."""
     try:
-        message = json.loads(payload)
-        stamp = message["timestamp"]
-        header_ns = int(stamp["sec"]) * NS_PER_S + int(stamp["nsec"])
-        texts = [math.nan if value is None else value for value in message["ranges"]]
-        ranges = np.array(texts, dtype=np.float32)
+        message = foxglove_fields(payload, topic)
+        header_ns = foxglove_stamp(message, topic.encoding)
+        ranges = _numbers(message["ranges"])
         first, last = float(message["start_angle"]), float(message["end_angle"])
         frame = str(message.get("frame_id", "")).encode()
-    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
+    except NOT_FOLLOWED:
         msg = "a scan that does not follow foxglove.LaserScan"
         raise FieldError(msg) from None
-    if ranges.ndim != 1 or abs(header_ns) > MAX_STAMP_NS:
-        msg = "a scan that does not follow foxglove.LaserScan"
-        raise FieldError(msg)
     return header_ns, ranges, _geometry(len(ranges), first, last, 0.0, 0.0, 0.0, frame)
+
+
+def _numbers(values: Any) -> Float32Array:
+    """Return a list as numbers; in JSON null stands for a beam without return."""
+    with np.errstate(over="ignore"):  # farther than 32 bits can tell is infinitely far
+        numbers = np.array([math.nan if value is None else value for value in values], np.float32)
+    if numbers.ndim != 1:
+        raise ValueError(numbers.shape)
+    return numbers

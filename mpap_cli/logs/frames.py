@@ -1,7 +1,5 @@
 """Camera images out of messages, still encoded."""
 
-import base64
-import json
 import re
 from collections.abc import Callable
 from typing import Any
@@ -10,21 +8,28 @@ import numpy as np
 
 from mpap_cli.logs.cursor import Cursor
 from mpap_cli.logs.fields import LOCATED, FieldError, TimeSource
-from mpap_cli.logs.files.runs import MAX_STAMP_NS
+from mpap_cli.logs.foxglove import (
+    FOXGLOVE_ENCODINGS,
+    NOT_FOLLOWED,
+    foxglove_bytes,
+    foxglove_fields,
+    foxglove_stamp,
+)
 from mpap_cli.logs.raw import LogReader, PayloadError, RawMessage, Topic
-from mpap_cli.observations import NS_PER_S, Frame
+from mpap_cli.logs.video.packets import FOXGLOVE_VIDEO, VIDEO_READERS, video_encoding
+from mpap_cli.observations import Frame
 
 COMPRESSED = "compressed"
 _WHAT = "an image"
 _MAX_NUMBER = 2**32
 _NUMBERS_OF_16_BITS = re.compile(r"^16[US]C|16$")
 
-FrameReader = Callable[[memoryview, str, int | None], Frame]
+FrameReader = Callable[[memoryview, Topic, int | None], Frame]
 
 
-def _raw_image(payload: memoryview, encoding: str, stamp_ns: int | None) -> Frame:
+def _raw_image(payload: memoryview, topic: Topic, stamp_ns: int | None) -> Frame:
     """sensor_msgs/Image."""
-    at = Cursor(payload, encoding, _WHAT)
+    at = Cursor(payload, topic.encoding, _WHAT)
     header_ns = at.stamp_ns()
     at.sequence()  # frame_id
     height, width, pixels = at.number(), at.number(), at.text()
@@ -43,9 +48,9 @@ def _swapped(content: memoryview, step: int) -> memoryview:
     return np.frombuffer(content, ">u2").astype("<u2").data
 
 
-def _compressed_image(payload: memoryview, encoding: str, stamp_ns: int | None) -> Frame:
+def _compressed_image(payload: memoryview, topic: Topic, stamp_ns: int | None) -> Frame:
     """sensor_msgs/CompressedImage."""
-    at = Cursor(payload, encoding, _WHAT)
+    at = Cursor(payload, topic.encoding, _WHAT)
     header_ns = at.stamp_ns()
     at.sequence()  # frame_id
     at.sequence()  # format, which drivers fill in as they like
@@ -53,7 +58,7 @@ def _compressed_image(payload: memoryview, encoding: str, stamp_ns: int | None) 
     return Frame(stamp_ns, COMPRESSED, 0, 0, 0, bytes(at.sequence()))
 
 
-def _json_raw_image(fields: Any) -> tuple[str, int, int, int]:
+def _foxglove_raw(fields: Any) -> tuple[str, int, int, int]:
     """foxglove.RawImage."""
     size = (int(fields["width"]), int(fields["height"]), int(fields["step"]))
     if not all(0 <= number < _MAX_NUMBER for number in size):
@@ -61,39 +66,42 @@ def _json_raw_image(fields: Any) -> tuple[str, int, int, int]:
     return (str(fields["encoding"]), *size)
 
 
-def _json_compressed_image(_: Any) -> tuple[str, int, int, int]:
+def _foxglove_compressed(_: Any) -> tuple[str, int, int, int]:
     """foxglove.CompressedImage."""
     return COMPRESSED, 0, 0, 0
 
 
-def _json_reader(msgtype: str, form_of: Callable[[Any], tuple[str, int, int, int]]) -> FrameReader:
-    """Make the reader of images in JSON, whose bytes are base64."""
+def _foxglove_video(fields: Any) -> tuple[str, int, int, int]:
+    """foxglove.CompressedVideo."""
+    return video_encoding(str(fields["format"])), 0, 0, 0
 
-    def read(payload: memoryview, _: str, stamp_ns: int | None) -> Frame:
-        try:
-            fields = json.loads(bytes(payload))
-            if stamp_ns is None:
-                stamp = fields["timestamp"]
-                stamp_ns = int(stamp["sec"]) * NS_PER_S + int(stamp["nsec"])
-            content = base64.b64decode(fields["data"], validate=True)
-            form = form_of(fields)
-        except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
-            stamp_ns = None
-        if stamp_ns is None or abs(stamp_ns) > MAX_STAMP_NS:
-            msg = f"{_WHAT} that does not follow {msgtype}"
-            raise FieldError(msg)
-        return Frame(stamp_ns, *form, content)
 
-    return read
+_FOXGLOVE_FORMS: dict[str, Callable[[Any], tuple[str, int, int, int]]] = {
+    "foxglove.RawImage": _foxglove_raw,
+    "foxglove.CompressedImage": _foxglove_compressed,
+    FOXGLOVE_VIDEO: _foxglove_video,
+}
+
+
+def _foxglove_image(payload: memoryview, topic: Topic, stamp_ns: int | None) -> Frame:
+    """Read an image in JSON or protobuf."""
+    try:
+        fields = foxglove_fields(bytes(payload), topic)
+        if stamp_ns is None:
+            stamp_ns = foxglove_stamp(fields, topic.encoding)
+        form = _FOXGLOVE_FORMS[topic.msgtype](fields)
+        content = foxglove_bytes(fields["data"])
+    except NOT_FOLLOWED:
+        msg = f"{_WHAT} that does not follow {topic.msgtype}"
+        raise FieldError(msg) from None
+    return Frame(stamp_ns, *form, content)
 
 
 FRAME_READERS: dict[tuple[str, str], FrameReader] = {
     **{("sensor_msgs/msg/CompressedImage", encoding): _compressed_image for encoding in LOCATED},
     **{("sensor_msgs/msg/Image", encoding): _raw_image for encoding in LOCATED},
-    ("foxglove.CompressedImage", "json"): _json_reader(
-        "foxglove.CompressedImage", _json_compressed_image
-    ),
-    ("foxglove.RawImage", "json"): _json_reader("foxglove.RawImage", _json_raw_image),
+    **{(name, form): _foxglove_image for name in _FOXGLOVE_FORMS for form in FOXGLOVE_ENCODINGS},
+    **VIDEO_READERS,
 }
 """By type and encoding of the message; a reader takes its own stamp where none is given."""
 
@@ -118,6 +126,7 @@ def frame_view(
     -------
     Frame
         Not decoded. Numbers of 16 bits a pixel are little endian, whatever the message has.
+        A packet of video has no place yet.
 
     Raises
     ------
@@ -128,7 +137,7 @@ def frame_view(
     if read is None:
         msg = f"{_WHAT} in encoding {topic.encoding or 'unknown'}"
         raise FieldError(msg)
-    return read(payload, topic.encoding, recorded_ns if time_source == "log" else None)
+    return read(payload, topic, recorded_ns if time_source == "log" else None)
 
 
 def read_frame(reader: LogReader, message: RawMessage) -> Frame:

@@ -8,6 +8,7 @@ import numpy as np
 from mpap_cli.logs.fields import FieldError, TimeSource
 from mpap_cli.logs.frames import frame_view
 from mpap_cli.logs.raw import RawRun
+from mpap_cli.logs.video.links import PacketLinks
 from mpap_cli.observations import BoolArray, Frame, IntArray
 
 
@@ -33,7 +34,9 @@ class FramePiece(NamedTuple):
         return FramePiece(self.recorded_ns[rows], self.stamps_ns[rows], frames)
 
 
-def read_frames(run: RawRun, time_source: TimeSource = "log") -> tuple[FramePiece, Counter[str]]:
+def read_frames(
+    run: RawRun, time_source: TimeSource = "log", links: PacketLinks | None = None
+) -> tuple[FramePiece, Counter[str]]:
     """Read the images of messages, not decoded.
 
     Parameters
@@ -42,6 +45,8 @@ def read_frames(run: RawRun, time_source: TimeSource = "log") -> tuple[FramePiec
         Of a type and encoding in `FRAME_READERS`.
     time_source : {"log", "header"}
         Which stamps are wanted.
+    links : PacketLinks, optional
+        What was read before of the same topic; packets of video go on from there.
 
     Returns
     -------
@@ -50,6 +55,7 @@ def read_frames(run: RawRun, time_source: TimeSource = "log") -> tuple[FramePiec
     Counter of str
         Messages that are malformed, by reason; `frame_view` raises FieldError for each.
     """
+    links = links or PacketLinks()
     skipped: Counter[str] = Counter()
     kept, frames = [], []
     records = memoryview(run.records)
@@ -57,9 +63,10 @@ def read_frames(run: RawRun, time_source: TimeSource = "log") -> tuple[FramePiec
     for number, (recorded_ns, start, size) in enumerate(zip(*columns, strict=True)):
         payload = records[start : start + size]
         try:
-            frames.append(frame_view(run.topic, payload, recorded_ns, time_source))
+            frames.append(links.link(frame_view(run.topic, payload, recorded_ns, time_source)))
         except FieldError as error:
             skipped[str(error)] += 1
+            links.skip()
         else:
             kept.append(number)
     stamps_ns = np.array([frame.stamp_ns for frame in frames], dtype=np.int64)

@@ -16,10 +16,10 @@ class Topic:
     """What a log says about one topic.
 
     ``msgtype`` has the form ``pkg/msg/Type``, or is the name of the schema as it stands
-    (``foxglove.LaserScan``); ``encoding`` is ``ros1``, ``cdr``, ``json`` or another word,
-    which is listed but not decoded; ``definition`` is the text of the message definition
-    in ``definition_format`` (``ros1msg``, ``ros2msg``, ``ros2idl``, ``jsonschema``), both
-    empty where the log does not hold it.
+    (``foxglove.LaserScan``); ``encoding`` is ``ros1``, ``cdr``, ``json``, ``protobuf`` or
+    another word, which is listed but not decoded; ``definition`` is the text of the message
+    definition in ``definition_format`` (``ros1msg``, ``ros2msg``, ``ros2idl``, ``jsonschema``, or
+    ``protobuf``, a FileDescriptorSet in base64), both empty where the log does not hold it.
     """
 
     name: str
@@ -90,6 +90,7 @@ class Damage:
       (the file has no index, ends early, has a broken index, is a broken database);
     - ``chunk``: chunks left out (all their messages, or those behind the broken place);
     - ``message``: messages left out;
+    - ``packed``: bytes unpacked before a packed file breaks off;
     - ``file``: files left out.
 
     ``text`` is one sentence, ready to print.
@@ -206,25 +207,23 @@ class LogReader(Protocol):
     warnings: list[str]
 
     def messages(
-        self,
-        topics: Collection[str],
-        start_ns: int | None = None,
-        end_ns: int | None = None,
+        self, topics: Collection[str], start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RawMessage]:
         """Yield the messages of the topics so named in log time order, start <= t < end."""
         ...
 
     def runs(
-        self,
-        topics: Collection[str],
-        start_ns: int | None = None,
-        end_ns: int | None = None,
+        self, topics: Collection[str], start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RunGroup]:
         """Yield the same messages in runs."""
         ...
 
     def decode(self, message: RawMessage) -> object:
-        """Return the fields of a message: an object with attributes, or a dict for JSON."""
+        """Return the fields of a message as attributes; of JSON and protobuf a mapping."""
+        ...
+
+    def undefined_types(self) -> tuple[str, ...]:
+        """Return the types of messages for which no definition is at hand, sorted."""
         ...
 
     def __enter__(self) -> Self: ...

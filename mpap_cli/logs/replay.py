@@ -2,21 +2,20 @@
 
 import logging
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from mpap_cli.logs.bumps.bumpers import BumpDecoder, BumpKind, BumpPiece
-from mpap_cli.logs.fields import FieldError, scan_view
+from mpap_cli.logs.clocks import ClockWatch, clock_shift_ns
 from mpap_cli.logs.files.runs import END_NS
-from mpap_cli.logs.frames import frame_view
 from mpap_cli.logs.image_runs import read_frames
-from mpap_cli.logs.listing import messages_of
-from mpap_cli.logs.odometry import locate_pose, read_poses
-from mpap_cli.logs.raw import LogReader, RawMessage, RawRun, RunGroup
+from mpap_cli.logs.odometry import read_poses
+from mpap_cli.logs.raw import LogReader, RawRun, RunGroup
 from mpap_cli.logs.replay_options import ReplayOptions
 from mpap_cli.logs.scan_runs import ScanPiece, read_scans
 from mpap_cli.logs.survey import is_broken, survey_beams
 from mpap_cli.logs.times import parse_time
 from mpap_cli.logs.topics import Roles
+from mpap_cli.logs.video.links import PacketLinks, links_before
 from mpap_cli.logs.waiting import P
 from mpap_cli.logs.windows import Arrivals, Events, Window
 from mpap_cli.observations import NS_PER_S, Batch
@@ -31,13 +30,6 @@ _LATE = "stamped before what came earlier"
 _LATE_IMAGE, _LATE_POSE = f"an image {_LATE}", f"a pose {_LATE}"
 _BROKEN = "a scan with fewer than half the usual beams"
 _BAD_BUMP = "a bump message that does not fit its definition"
-_HEADER_STAMPS: dict[str, Callable[[RawMessage], int]] = {
-    "scan": lambda message: scan_view(message, "header")[0],
-    "image": lambda message: (
-        frame_view(message.topic, memoryview(message.payload), 0, "header").stamp_ns
-    ),
-    "odometry": lambda message: locate_pose(message.payload, message.topic.encoding).header_ns,
-}
 
 
 class Replay:
@@ -107,7 +99,8 @@ class Replay:
             self.bump_kind = kinds.pop() if len(kinds) == 1 else "edge"
         held = [role.rule.hold_s for role in roles.bumps if role.rule.hold_s is not None]
         self.hold_s = max(held, default=bumper.bump_hold)
-        shift_ns = self._clock_shift_ns()
+        by_header = self._options.time_source == "header"
+        shift_ns = clock_shift_ns(reader, self._topics) if by_header else 0
         self.start_ns = shift_ns + max(reader.start_ns, self._start_ns or reader.start_ns)
         last_ns = reader.end_ns if self._end_ns is None else self._end_ns - 1
         self.end_ns = shift_ns + min(reader.end_ns, last_ns)
@@ -115,10 +108,16 @@ class Replay:
             _LOG.warning("%s: nothing lies between --start and --end", reader.path.name)
             self.end_ns = self.start_ns
         self.skipped: Counter[str] = Counter()
+        self._watches: dict[str, ClockWatch] = {}
+
+    def clock_findings(self) -> tuple[str, ...]:
+        """Say after an iteration what is odd about the clocks of its sensors."""
+        return tuple(text for watch in self._watches.values() for text in watch.findings())
 
     def __iter__(self) -> Iterator[Batch]:
         """Yield the batches in time order."""
         self.skipped.clear()
+        self._watches.clear()
         sensors: dict[str, int] = {}
         window = Window(
             self._options.block_scans,
@@ -127,8 +126,11 @@ class Replay:
             with_poses="odometry" in self._topics,
         )
         decoders, arrivals = self._decoders(sensors), Arrivals(_HEADER_MARGIN_NS)
+        links = PacketLinks()
+        if "image" in self._topics:
+            links = links_before(self._reader, self._topics["image"], self._start_ns)
         for settled_ns, runs in self._groups():
-            events = self._read(runs, decoders)
+            events = self._read(runs, decoders, links)
             by_header = self._options.time_source == "header"
             if by_header:
                 events = self._in_time(arrivals, events)
@@ -144,23 +146,34 @@ class Replay:
             fitting = [run for run in runs if run.topic.msgtype == msgtypes[run.topic.name]]
             yield RunGroup(until_ns, fitting)
 
-    def _read(self, runs: Sequence[RawRun], decoders: dict[str, BumpDecoder]) -> Events:
+    def _read(
+        self, runs: Sequence[RawRun], decoders: dict[str, BumpDecoder], links: PacketLinks
+    ) -> Events:
         """Read the messages of all topics."""
         events = Events([], [], [], [])
         clock = self._options.time_source
         sensors = {topic.name: sensor for sensor, topic in self._topics.items()}
         for run in runs:
             sensor = sensors.get(run.topic.name)
+            if sensor is not None:
+                self._watch(run)
             if sensor == "scan":
                 events.scans.extend(self._read_scans(run))
             elif sensor == "image":
-                events.frames.append(self._count(*read_frames(run, clock)))
+                events.frames.append(self._count(*read_frames(run, clock, links)))
             elif sensor == "odometry":
                 events.poses.append(self._count(*read_poses(run, clock)))
         for name, decoder in decoders.items():
             same = (run for run in runs if run.topic.name == name)
             events.bumps.extend(self._read_bumps(run, decoder) for run in same)
         return events
+
+    def _watch(self, run: RawRun) -> None:
+        """Look at the clocks of a sensor."""
+        name = run.topic.name
+        if name not in self._watches:
+            self._watches[name] = ClockWatch(name, self._reader.start_ns)
+        self._watches[name].add(run)
 
     def _count(self, found: P, skipped: Counter[str]) -> P:
         """Add up what was left out."""
@@ -220,14 +233,3 @@ class Replay:
             timely(events.frames, _LATE_IMAGE),
             timely(events.poses, _LATE_POSE),
         )
-
-    def _clock_shift_ns(self) -> int:
-        """Tell how far the clock of the headers is from log time, by the first message."""
-        if self._options.time_source == "header":
-            for sensor, topic in self._topics.items():
-                for message in messages_of(self._reader, topic):
-                    try:
-                        return _HEADER_STAMPS[sensor](message) - message.stamp_ns
-                    except FieldError:
-                        continue
-        return 0

@@ -93,14 +93,19 @@ def _read_transforms(reader: LogReader) -> Iterator[dict[str, _Transform]]:
         return
     for message in islice(reader.messages(topics.keys()), total):
         try:
-            decoded: Any = reader.decode(message)
-        except PayloadError:
-            continue
-        yield {
-            _plain(item.child_frame_id): _Transform(_plain(item.header.frame_id), rotation)
-            for item in decoded.transforms
-            if (rotation := _unit(item.transform.rotation)) is not None
-        }
+            found = _transforms_in(reader.decode(message))
+        except (PayloadError, AttributeError, TypeError, ValueError):
+            continue  # cut short, or defined by the log in another way
+        yield found
+
+
+def _transforms_in(decoded: Any) -> dict[str, _Transform]:
+    """Return the transforms of a message by child frame."""
+    return {
+        _plain(item.child_frame_id): _Transform(_plain(item.header.frame_id), rotation)
+        for item in decoded.transforms
+        if (rotation := _unit(item.transform.rotation)) is not None
+    }
 
 
 def _chain(known: Mapping[str, _Transform], frame: str) -> list[_Transform]:

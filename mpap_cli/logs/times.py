@@ -15,7 +15,17 @@ _RFC_3339 = re.compile(
 _MIN_NS_DIGITS = 13  # as an offset in seconds that would be 30,000 years
 _MAX_OFFSET_DIGITS = 9
 _MINUTES, _HOURS = 60, 3600
+_FIRST_DATE_NS = 365 * 24 * 3600 * NS_PER_S  # no robot ran in 1970
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+
+
+def is_date(stamp_ns: int) -> bool:
+    """Tell a date from a time that counts from the start of a simulation or of the robot.
+
+    >>> is_date(1_518_607_201_000_000_000), is_date(7_200_000_000_000)
+    (True, False)
+    """
+    return stamp_ns >= _FIRST_DATE_NS
 
 
 def parse_time(text: str, log_start_ns: int) -> int:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from mpap_cli.errors import UsageError
 from mpap_cli.logs.bumps.bump_topics import BumpRole, BumpsFound, ask_for_bumps, find_bumps
-from mpap_cli.logs.listing import list_topics
+from mpap_cli.logs.listing import list_topics, other_encodings
 from mpap_cli.logs.raw import LogReader, Topic
 from mpap_cli.logs.sensor_topics import choose_image, choose_odometry, choose_scan, find_unreadable
 
@@ -94,6 +94,7 @@ def choose_roles(reader: LogReader, choice: TopicChoice | None = None) -> Roles:
     else:
         found = find_bumps(reader)
     bumps, bump_reason, bump_candidates, notes = found
+    notes = tuple(dict.fromkeys((*find_unreadable(reader.topics), *notes)))
     return Roles(
         topics=reader.topics,
         scan=scan,
@@ -107,7 +108,7 @@ def choose_roles(reader: LogReader, choice: TopicChoice | None = None) -> Roles:
         scan_candidates=scans,
         image_candidates=images,
         bump_candidates=bump_candidates,
-        notes=(*find_unreadable(reader.topics), *notes),
+        notes=(*notes, *other_encodings(reader.topics, notes)),
     )
 
 

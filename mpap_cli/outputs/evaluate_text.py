@@ -1,9 +1,22 @@
 """What ``mpap evaluate`` prints: scores with protocol, truth, sample and baselines."""
 
-import math
 from dataclasses import dataclass
 
-from mpap_cli.outputs.text_table import aligned
+from mpap_cli.outputs.score_lines import (
+    Auc,
+    Comparison,
+    PerLog,
+    Probabilities,
+    VisibleScores,
+    comparison_line,
+    interval_text,
+    per_log_line,
+    probability_line,
+    score_text,
+    short_score,
+    visible_line,
+)
+from mpap_cli.outputs.text_table import aligned, count
 
 _POSITIVE_WORDS = {
     "contact": "in contact",
@@ -20,15 +33,6 @@ _PROTOCOL_WORDS = {
 _IN_SAMPLE = "in-sample: same scans learnt and scored; only this compares with the paper."
 
 
-@dataclass(frozen=True, slots=True)
-class Auc:
-    """Area under a ROC curve with its 95 % interval; None where there is none."""
-
-    auc: float | None = None
-    low: float | None = None
-    high: float | None = None
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MethodRow:
     """One line of the table. ``paper`` is (indoor, outdoor) of table 4, if it is there."""
@@ -42,23 +46,35 @@ class MethodRow:
     meta_points: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Comparison:
-    """Another method on the same scans: its name and held-out area."""
-
-    method: str
-    held_out: Auc
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Announced:
-    """Presses that were predicted when they began, at ``p >= threshold``."""
+    """Presses that were predicted when they began, at ``p >= threshold``.
+
+    ``visible`` of the presses were seen beforehand, ``visible_announced`` of these were
+    announced; ``alarm_share`` is the alarmed share of the time outside contact.
+    """
 
     threshold: float
     announced: int
     presses: int
     median_lead_s: float | None
+    visible_announced: int
+    visible: int
+    visible_median_lead_s: float | None
     false_alarms_per_minute: float | None
+    alarm_share: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class BestBelow:
+    """What could be announced at fewer false alarms a minute; None: at no threshold.
+
+    ``alarm_share`` is how much of the time outside contact may be alarmed.
+    """
+
+    false_alarms_per_minute: float
+    alarm_share: float
+    announced: Announced | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,39 +100,13 @@ class EvaluateSummary:
     comparisons: tuple[Comparison, ...] = ()
     protocol: str = "blocked"
     protocol_detail: str = ""
+    per_log: PerLog | None = None
+    visible: VisibleScores | None = None
+    alarmed: Announced | None = None
     announced: Announced | None = None
+    best: BestBelow | None = None
+    probabilities: Probabilities | None = None
     notes: tuple[str, ...] = ()
-
-
-def count(number: int, word: str) -> str:
-    """Return a number with its noun.
-
-    >>> count(1, "press"), count(9640, "scan")
-    ('1 press', '9,640 scans')
-    """
-    plural = word + ("es" if word.endswith(("s", "ch")) else "s")
-    return f"{number:,} {word if number == 1 else plural}"
-
-
-def short_score(score: float | None) -> str:
-    """Return a score without its leading zero, as the paper's tables are quoted.
-
-    >>> short_score(0.904), short_score(1.0), short_score(None)
-    ('.90', '1.00', '-')
-    """
-    if score is None or math.isnan(score):
-        return "-"
-    return f"{score:.2f}".removeprefix("0")
-
-
-def _score(score: float | None) -> str:
-    return "-" if score is None or math.isnan(score) else f"{score:.2f}"
-
-
-def _interval(held_out: Auc) -> str:
-    """Return the interval in brackets, nothing where there is none."""
-    low, high = short_score(held_out.low), short_score(held_out.high)
-    return "" if "-" in {low, high} else f"[{low},{high}]"
 
 
 def evaluate_text(summary: EvaluateSummary) -> str:
@@ -130,15 +120,21 @@ def evaluate_text(summary: EvaluateSummary) -> str:
     Returns
     -------
     str
-        Lines, each with its end: what was scored, the table, what it is compared with, the
-        protocol, how presses were announced, and the notes.
+        Lines, each with its end: what was scored, the table, what it is compared with, log
+        by log and without what nobody saw, the protocol, how presses were announced, what
+        probabilities are worth, and the notes.
     """
     lines = [
         _heading(summary),
         *_table(summary.rows),
-        _comparison(summary.comparisons),
+        comparison_line(summary.comparisons),
+        per_log_line(summary.per_log),
+        visible_line(summary.visible),
         _protocol(summary),
+        _alarms(summary.alarmed),
         _announcement(summary.announced),
+        _best(summary.best),
+        probability_line(summary.probabilities),
         *summary.notes,
     ]
     return "".join(f"{line}\n" for line in lines if line)
@@ -186,22 +182,13 @@ def _cells(row: MethodRow) -> tuple[str, ...]:
     return (
         row.method,
         row.profile,
-        _score(row.held_out.auc),
-        _interval(row.held_out) or "-",
-        _score(row.in_sample),
+        score_text(row.held_out.auc),
+        interval_text(row.held_out) or "-",
+        score_text(row.in_sample),
         paper,
         "-" if row.clusters is None else str(row.clusters),
         "-" if row.meta_points is None else str(row.meta_points),
     )
-
-
-def _comparison(comparisons: tuple[Comparison, ...]) -> str:
-    """Say how other methods did on the same scans."""
-    parts = []
-    for other in comparisons:
-        words = (other.method, _score(other.held_out.auc), _interval(other.held_out))
-        parts.append(" ".join(word for word in words if word))
-    return f"for comparison: {'; '.join(parts)}" if parts else ""
 
 
 def _protocol(summary: EvaluateSummary) -> str:
@@ -214,13 +201,43 @@ def _protocol(summary: EvaluateSummary) -> str:
     return " ".join(sentences)
 
 
+def _alarms(alarmed: Announced | None) -> str:
+    """Say what the alarms announced, and how much of the time they last."""
+    if alarmed is None:
+        return ""
+    share = alarmed.alarm_share
+    text = f"alarms: {_announced(alarmed)}"
+    return text if share is None else f"{text}, alarmed {100 * share:.0f} % of the time"
+
+
 def _announcement(announced: Announced | None) -> str:
     """Say how many presses were predicted, how early, and at what price."""
     if announced is None:
         return ""
-    parts = [f"{announced.announced} of {count(announced.presses, 'press')} announced"]
-    if announced.median_lead_s is not None:
-        parts.append(f"median lead {announced.median_lead_s:.1f} s")
-    if announced.false_alarms_per_minute is not None:
-        parts.append(f"{announced.false_alarms_per_minute:.1f} false alarms a minute")
-    return f"at p >= {announced.threshold:g}: {', '.join(parts)}"
+    return f"at p >= {announced.threshold:g}: {_announced(announced)}"
+
+
+def _announced(found: Announced) -> str:
+    """Say it without the threshold."""
+    parts = [f"{found.announced} of {count(found.presses, 'press')} announced"]
+    if found.median_lead_s is not None:
+        parts.append(f"median lead {found.median_lead_s:.1f} s")
+    if found.visible_median_lead_s is not None and found.visible < found.presses:
+        lead = f"median lead {found.visible_median_lead_s:.1f} s"
+        parts.append(f"of {found.visible} visible ones {found.visible_announced}, {lead}")
+    if found.false_alarms_per_minute is not None:
+        parts.append(f"{found.false_alarms_per_minute:.1f} false alarms a minute")
+    return ", ".join(parts)
+
+
+def _best(best: BestBelow | None) -> str:
+    """Say what the best threshold would be, had one known these scores."""
+    if best is None:
+        return ""
+    number = best.false_alarms_per_minute
+    alarms = f"{number:g} false alarm{'' if number == 1 else 's'} a minute"
+    limit = f"fewer than {alarms}, alarmed less than {100 * best.alarm_share:g} % of the time"
+    if best.announced is None:
+        return f"no threshold announces a press with {limit}"
+    at = f"at p >= {best.announced.threshold:.3g}"
+    return f"{at}: {_announced(best.announced)} (the best on these scores with {limit})"

@@ -3,10 +3,13 @@
 Nothing global is touched, and the same numbers give the same bytes.
 """
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from mpap_cli.outputs.text_table import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +39,9 @@ def figure_for(path: Path, size: tuple[float, float]) -> Iterator["Figure"]:
     from matplotlib import style  # noqa: PLC0415  # slow to import
     from matplotlib.figure import Figure  # noqa: PLC0415
 
-    with style.context(_LOOK, after_reset=True):
+    with style.context(_LOOK, after_reset=True), warnings.catch_warnings():
+        # a log may be called anything; what the font has no sign for is drawn as a box
+        warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)
         figure = Figure(figsize=size)
         figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.1)
         yield figure
@@ -44,8 +49,12 @@ def figure_for(path: Path, size: tuple[float, float]) -> Iterator["Figure"]:
 
 
 def plain(text: str) -> str:
-    """Return a text that matplotlib does not read as a formula or hide from the legend."""
-    return text.replace("$", r"\$").lstrip("_")
+    r"""Return a text that matplotlib can draw, does not read as a formula or hide in a legend.
+
+    >>> plain("_cost: 1 $" + chr(27))
+    'cost: 1 \\$?'
+    """
+    return printable(text).replace("$", r"\$").lstrip("_")
 
 
 def say(axis: "Axes", words: str) -> None:

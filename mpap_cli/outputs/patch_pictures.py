@@ -47,6 +47,7 @@ _THUMB_GAP = 8
 _ROW_HEAD = 190
 _ROW_GAP = 18
 _MOST_MEMBERS = 12
+_MOST_SIGNS = 22
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -54,17 +55,19 @@ class PatchCluster:
     """One cluster of image patches, and what it means.
 
     ``p_obstacle`` is NaN or None where there are no labels; ``observations`` counts its
-    patches, ``presses`` the distinct presses among their labels. ``exemplar`` and
-    ``members`` are pictures (height, width, 3), BGR, uint8, of any size; the exemplar is
-    None where its image cannot be read any more.
+    patches, ``presses`` the distinct presses among their labels (None: there is no bumper).
+    ``exemplar`` and ``members`` are pictures (height, width, 3), BGR, uint8, of any size;
+    the exemplar is None where its image cannot be read any more. ``note`` says what the
+    patches are, where that is known otherwise.
     """
 
     cluster: int
     p_obstacle: float | None
     observations: int
-    presses: int
+    presses: int | None
     exemplar: Image | None
     members: tuple[Image, ...] = ()
+    note: str = ""
 
 
 def write_patch_exemplars(path: Path, clusters: Sequence[PatchCluster], limit: int = 48) -> None:
@@ -90,7 +93,7 @@ def write_patch_exemplars(path: Path, clusters: Sequence[PatchCluster], limit: i
     width = 2 * _EDGE + columns * _TILE[0] + (columns - 1) * _TILE_GAP
     tile_height = _TILE_HEAD + _TILE[1] + _TILE_FOOT
     rows = -(-len(shown) // columns)
-    page = _page((width, rows * tile_height), len(clusters), "exemplar patches", left_out)
+    page = _page((width, rows * tile_height), clusters, "exemplar patches", left_out)
     for index, one in enumerate(shown):
         x = _EDGE + (index % columns) * (_TILE[0] + _TILE_GAP)
         y = _TITLE + (index // columns) * tile_height
@@ -121,7 +124,7 @@ def write_members(path: Path, clusters: Sequence[PatchCluster], limit: int = 24)
     width = 2 * _EDGE + _ROW_HEAD + thumbs * (_THUMB[0] + _THUMB_GAP) + _THUMB_GAP
     row_height = _THUMB[1] + _ROW_GAP
     size = (width, len(shown) * row_height)
-    page = _page(size, len(clusters), "exemplar (framed) and members", left_out)
+    page = _page(size, clusters, "exemplar (framed) and members", left_out)
     for index, one in enumerate(shown):
         _draw_row(page, _TITLE + index * row_height, one)
     write_png(path, page, photographs=True)
@@ -133,14 +136,18 @@ def _ranked(clusters: Sequence[PatchCluster]) -> list[PatchCluster]:
 
 
 def _page(
-    size: tuple[int, int], n_clusters: int, what: str, left_out: Sequence[PatchCluster]
+    size: tuple[int, int],
+    clusters: Sequence[PatchCluster],
+    what: str,
+    left_out: Sequence[PatchCluster],
 ) -> Image:
     """Return a white page with title, key and a line for what is left out."""
     width, height = size
+    n_clusters = len(clusters)
     page = blank(width, _TITLE + height + (_FOOT if left_out else 0))
     title = f"{n_clusters} cluster{'' if n_clusters == 1 else 's'}: {what}"
     put_text(page, title, (_EDGE, 42), size=0.8, weight=2)
-    if n_clusters:
+    if any(not one.note for one in clusters):
         words = "the most likely obstacles first"
         put_text(page, words, (_EDGE, 70), size=_SMALL, colour=PALE_INK)
         draw_key(page, "obstacle", width - _EDGE, 70)
@@ -154,8 +161,7 @@ def _draw_tile(page: Image, tile: Box, one: PatchCluster) -> None:
     """Draw one cluster: its number and probability, its exemplar, what it is made of."""
     p = number(one.p_obstacle)
     put_text(page, f"cluster {one.cluster}", (tile.x, tile.y + 18), size=0.55, weight=2)
-    known = "no labels" if math.isnan(p) else f"{p:.2f}"
-    put_text(page, known, (tile.right, tile.y + 18), size=0.55, align=1)
+    put_text(page, _p_text(p), (tile.right, tile.y + 18), size=0.55, align=1)
     draw_bar(page, Box(tile.x, tile.y + 26, tile.width, 8), p)
     box = Box(tile.x, tile.y + _TILE_HEAD, tile.width, tile.height)
     _draw_patch(page, box, one.exemplar, p)
@@ -166,10 +172,10 @@ def _draw_row(page: Image, y: int, one: PatchCluster) -> None:
     """Draw one cluster: what it is on the left, its exemplar, its members."""
     p = number(one.p_obstacle)
     put_text(page, f"cluster {one.cluster}", (_EDGE, y + 16), size=0.55, weight=2)
-    known = "no labels" if math.isnan(p) else f"p {p:.2f}"
+    known = "" if one.note else _p_text(p, "p ")
     put_text(page, known, (_EDGE + _ROW_HEAD - 20, y + 16), size=0.5, align=1)
     draw_bar(page, Box(_EDGE, y + 25, _ROW_HEAD - 20, 8), p)
-    for line, words in enumerate(_counts(one).split(", ")):
+    for line, words in enumerate([*_counts(one).split(", "), one.note[:_MOST_SIGNS]]):
         place = (_EDGE, y + 53 + 20 * line)
         put_text(page, words, place, size=_SMALL, colour=PALE_INK)
     x = _EDGE + _ROW_HEAD
@@ -195,7 +201,14 @@ def _draw_patch(page: Image, box: Box, patch: Image | None, p: float) -> None:
     paste(page, patch, Box(*inner, box.width - 2 * _BORDER, box.height - 2 * _BORDER))
 
 
+def _p_text(p: float, before: str = "") -> str:
+    """Return a probability in two digits, or say that there is none."""
+    return "no labels" if math.isnan(p) else f"{before}{p:.2f}"
+
+
 def _counts(one: PatchCluster) -> str:
     """Return how many patches and presses a cluster stands for."""
     patches = f"{one.observations:,} patch{'' if one.observations == 1 else 'es'}"
+    if one.presses is None:
+        return patches
     return f"{patches}, {one.presses:,} press{'' if one.presses == 1 else 'es'}"

@@ -41,3 +41,13 @@ def aligned(lines: Sequence[Sequence[str]], right: Collection[int] = ()) -> list
         ).rstrip()
         for line in clean
     ]
+
+
+def count(number: int, word: str) -> str:
+    """Return a number with its noun.
+
+    >>> count(1, "press"), count(9640, "scan")
+    ('1 press', '9,640 scans')
+    """
+    plural = word + ("es" if word.endswith(("s", "ch")) else "s")
+    return f"{number:,} {word if number == 1 else plural}"

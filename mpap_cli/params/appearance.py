@@ -21,8 +21,11 @@ class StrapParams:
         None, "3.3", "seconds after which a cluster counts half (none: counts are exact)"
     )
     weight_cap: int = setting(10, "3.3", "most that a cluster weighs when clusters are made anew")
-    exemplar_points: int = setting(
-        1, "ours", "outliers within eps of one another that make an exemplar (1: any outlier)"
+    known_share: float = setting(
+        0.005, "ours", "a place is known once outliers are a smaller share than that (0: never)"
+    )
+    noise_share: float = setting(
+        0.03, "ours", "share of outliers that is noise in a known place: it calls for no rebuild"
     )
     strap_distortion: bool = setting(
         False, "3.3", "distortion lowers the preference of a cluster when clusters are made anew"
@@ -40,8 +43,9 @@ class StrapParams:
         if self.strap_window_s is not None:
             require_seconds("strap-window-s", self.strap_window_s)
         require(1 <= self.weight_cap <= MOST_COUNT, "weight-cap", self.weight_cap, "1 or more")
-        points = self.exemplar_points
-        require(1 <= points <= MOST_COUNT, "exemplar-points", points, "1 or more")
+        known, noise = self.known_share, self.noise_share
+        require(0 <= known < 1, "known-share", known, "0 to below 1")
+        require(known <= noise < 1, "noise-share", noise, "known-share to below 1")
         delta, most = self.page_hinkley_delta, self.page_hinkley_lambda
         require(0 <= delta <= 1, "page-hinkley-delta", delta, "0 to 1")
         require(0 < most <= MOST_COUNT, "page-hinkley-lambda", most, "more than 0")
@@ -63,6 +67,9 @@ class ObstacleParams:
     bump_image_s: float = setting(
         0.2, "4.2.4", "the image nearest to a bump counts if it is that near in seconds"
     )
+    press_image_s: float = setting(
+        1.0, "ours", "driven: seconds of a press whose images count, as with scans"
+    )
     driven_before_s: float = setting(2.0, "ours", "driven: no press begins within these seconds")
     driven_after_s: float = setting(2.5, "ours", "driven: no press within the seconds before")
     driven_min_m: float = setting(
@@ -73,6 +80,9 @@ class ObstacleParams:
     )
     neighbors: int = setting(50, "4.2.5", "nearest exemplars that are asked about a patch")
     patch_prior: float = setting(10.0, "ours", "kernel: pseudo-counts of a patch at the base rate")
+    sighting_weight: float = setting(
+        0.05, "ours", "kernel: share of a label for an obstacle that a patch without label is"
+    )
     patch_threshold: float = setting(0.5, "4.2.5", "probability from which a patch is an obstacle")
     unknown: str = setting(
         "free", "4.2.6", "what an unknown patch is for the decision", ("free", "obstacle")
@@ -86,6 +96,7 @@ class ObstacleParams:
         """Check every value before its first use."""
         check_choices(self)
         require_seconds("bump-image-s", self.bump_image_s)
+        require_seconds("press-image-s", self.press_image_s)
         require_seconds("driven-before-s", self.driven_before_s)
         require_seconds("driven-after-s", self.driven_after_s, zero=True)
         require(0 <= self.driven_min_m <= 100, "driven-min-m", self.driven_min_m, "0 to 100")  # noqa: PLR2004
@@ -94,6 +105,8 @@ class ObstacleParams:
         share = self.patch_threshold
         require(0 <= share <= 1, "patch-threshold", share, "0 to 1")
         require(self.patch_prior > 0, "patch-prior", self.patch_prior, "more than 0")
+        weight = self.sighting_weight
+        require(0 <= weight <= 1, "sighting-weight", weight, "0 to 1")
         require(0 <= self.side_rows <= 144, "side-rows", self.side_rows, "0 to 144")  # noqa: PLR2004
         require(1 <= self.front_rows <= 144, "front-rows", self.front_rows, "1 to 144")  # noqa: PLR2004
         self.labelled_rows()

@@ -1,5 +1,6 @@
 """Settings of presses, labels, probabilities and their scores (sections 2.3, 4.1, 5.2)."""
 
+import math
 from dataclasses import dataclass
 
 from mpap_cli.params.checks import (
@@ -13,6 +14,7 @@ from mpap_cli.params.checks import (
 READOUTS = ("exemplar", "cluster", "metapoint", "kernel")
 TARGETS = ("contact", "onset", "early")
 MOST_RESAMPLES = 100_000
+HALF_TURN_DEG = 180.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,7 +53,20 @@ class PropertyParams:
     readout: str = setting("kernel", "4.2.5", "where a probability is read", READOUTS)
     kernel_k: int = setting(20, "4.2.5", "kernel: nearest meta-points that are asked")
     prior_counts: float = setting(2.0, "ours", "kernel: pseudo-counts at the base rate")
+    range_share: float = setting(
+        0.5, "ours", "kernel: share of the curves over the nearest ranges of inverse-min (0: none)"
+    )
     metapoint_prior: float = setting(4.0, "ours", "metapoint: pseudo-counts at the cluster's rate")
+    alarm_lift: float = setting(
+        2.5, "ours", "robust: an alarm begins where the odds are that many times those on the whole"
+    )
+    alarm_share: float = setting(
+        0.05, "ours", "robust: or as high as at that share of what was learnt, if that is lower"
+    )
+    alarm_release: float = setting(
+        0.5, "ours", "robust: it ends where they were below that share of it"
+    )
+    alarm_hold_s: float = setting(2.0, "ours", "robust: for that many seconds")
     onset_s: float = setting(1.0, "ours", "seconds of a press that count as its onset")
     release_s: float = setting(1.0, "ours", "onset: seconds without label after a release")
     early_s: float = setting(1.0, "ours", "early: a press begins within that many seconds")
@@ -61,7 +76,13 @@ class PropertyParams:
         check_choices(self)
         require(1 <= self.kernel_k <= MOST_COUNT, "kernel-k", self.kernel_k, "1 or more")
         require(self.prior_counts > 0, "prior-counts", self.prior_counts, "more than 0")
+        require(0 <= self.range_share <= 1, "range-share", self.range_share, "0 to 1")
         require(self.metapoint_prior >= 0, "metapoint-prior", self.metapoint_prior, "0 or more")
+        lift, release = self.alarm_lift, self.alarm_release
+        require(0 < lift < math.inf, "alarm-lift", lift, "more than 0")
+        require(0 <= self.alarm_share < 1, "alarm-share", self.alarm_share, "0 to below 1")
+        require(0 < release <= 1, "alarm-release", release, "more than 0, at most 1")
+        require_seconds("alarm-hold-s", self.alarm_hold_s, zero=True)
         require_seconds("onset-s", self.onset_s)
         require_seconds("release-s", self.release_s, zero=True)
         require_seconds("early-s", self.early_s)
@@ -74,6 +95,13 @@ class EvaluationParams:
     folds: int = setting(5, "ours", "blocked: time blocks of a log, at most one per press")
     guard_s: float = setting(5.0, "ours", "blocked: seconds left out beside a block")
     resamples: int = setting(1000, "ours", "bootstrap resamples of an interval")
+    visible_m: float = setting(
+        0.6, "ours", "a press with a return nearer than that ahead before it is visible"
+    )
+    visible_margin_m: float = setting(
+        0.2, "ours", "or that much beyond the lower quartile at presses of such a scanner"
+    )
+    visible_deg: float = setting(45.0, "ours", "visible: degrees to either side of straight ahead")
 
     def __post_init__(self) -> None:
         """Check every value before its first use."""
@@ -84,4 +112,17 @@ class EvaluationParams:
             "resamples",
             self.resamples,
             f"10 to {MOST_RESAMPLES:,}",
+        )
+        require(0 < self.visible_m < math.inf, "visible-m", self.visible_m, "more than 0")
+        require(
+            0 <= self.visible_margin_m < math.inf,
+            "visible-margin-m",
+            self.visible_margin_m,
+            "0 or more",
+        )
+        require(
+            0 < self.visible_deg <= HALF_TURN_DEG,
+            "visible-deg",
+            self.visible_deg,
+            f"more than 0, at most {HALF_TURN_DEG:g}",
         )

@@ -61,6 +61,7 @@ PROFILES: dict[str, dict[str, str]] = {
         "obstacle-labels": "plain",
         "eps": "0.21",
         "reservoir": "2000",
+        "known-share": "0",
         "neighbors": "1",
     },
 }

@@ -42,6 +42,12 @@ class ScanParams:
     near_cap_m: float = setting(1.0, "ours", "inverse-min: ranges above count as this")
     near_floor_m: float = setting(0.2, "ours", "inverse-min: ranges below count as this")
     ring_weight: float = setting(1.0, "ours", "inverse-min: weight of the nearest range all round")
+    front_weight: float = setting(
+        0.5, "ours", "inverse-min: weight of the nearest range, what lies behind stretched (0: off)"
+    )
+    rear_stretch: float = setting(
+        3.0, "ours", "inverse-min: straight behind counts as that many times as far in that"
+    )
     sector_weight: float = setting(0.5, "ours", "inverse-min: weight of the sectors")
     approach_weight: float = setting(
         0.3, "ours", "inverse-min: weight of the approach block (0: off)"
@@ -61,10 +67,12 @@ class ScanParams:
         require_seconds("approach-s", self.approach_s)
         floor, top = self.near_floor_m, self.near_cap_m
         require(0 < floor < top, "near-floor-m", floor, f"above 0, below near-cap-m {top}")
-        weights = (self.ring_weight, self.sector_weight, self.approach_weight)
+        weights = (self.ring_weight, self.front_weight, self.sector_weight, self.approach_weight)
         fits = min(weights) >= 0 and math.isfinite(sum(weights))
         require(fits, "ring-weight", weights, "weights of 0 or more")
-        require(sum(weights[:2]) > 0, "ring-weight", weights, "one weight above 0")
+        require(sum(weights[:3]) > 0, "ring-weight", weights, "one weight above 0")
+        stretch = self.rear_stretch
+        require(1 <= stretch < math.inf, "rear-stretch", stretch, "1 or more")
         self.fov_degrees()
         self.forward_rad()
 

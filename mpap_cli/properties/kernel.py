@@ -77,7 +77,7 @@ def kernel_mean(
 
 
 def mean_of_counts(
-    squared: Float64Array, counts: IntArray, base_rate: float, kernel: Kernel
+    squared: Float64Array, counts: IntArray | Float64Array, base_rate: float, kernel: Kernel
 ) -> Float64Array:
     """Return the mean of the counts of references that were found, the nearer the weightier.
 

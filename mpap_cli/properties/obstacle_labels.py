@@ -56,12 +56,14 @@ def label_patches(
         1 for the patches (of the rows ``label_rows``) of images of a press, see
         :func:`pressed_images`. Of the other images 0 for every patch if ``obstacle_labels``
         is ``plain``; if it is ``driven``, 0 only where :func:`floor_patches` lie and only in
-        :func:`driven_images`. Else -1.
+        :func:`driven_images`, and 1 only for ``press_image_s``. Else -1.
 
     Notes
     -----
     The paper calls every patch of every other image no obstacle. Most of them then show
     walls that are not touched at the moment, so that no cluster comes near probability 1.
+    A robot that is stuck for long shows one thing again and again, which says no more about
+    it than the first second of the press.
 
     Examples
     --------
@@ -71,15 +73,17 @@ def label_patches(
     [[-1, -1, -1, -1, 0, -1], [1, 1, 1, 1, 1, 1], [-1, -1, -1, -1, 0, -1]]
     """
     rows, columns = shape
-    pressed = pressed_images(stamps_ns, presses, params.bump_image_s) != NO_PRESS
+    press_ns = pressed_images(stamps_ns, presses, params.bump_image_s)
+    pressed = touched = press_ns != NO_PRESS
     labels = np.full((len(stamps_ns), rows, columns), NO_LABEL, dtype=np.int8)
     if params.obstacle_labels == "plain":
         labels[~pressed] = 0
     else:
         driven = driven_images(stamps_ns, presses, params, driven_m) & ~pressed
         labels[driven[:, None, None] & floor_patches(shape)] = 0
+        touched = pressed & (stamps_ns - press_ns < round(params.press_image_s * NS_PER_S))
     labelled = slice(*(params.labelled_rows() or (0, rows)))
-    labels[pressed, labelled] = 1
+    labels[touched, labelled] = 1
     return labels.reshape(len(stamps_ns), rows * columns)
 
 

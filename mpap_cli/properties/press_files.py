@@ -11,6 +11,8 @@ from mpap_cli.observations import NS_PER_S, Press
 
 PRESS_COLUMNS = ("log", "start_s", "end_s")
 _HELD_NS = NS_PER_S
+_MOST_DIGITS = 9
+_MOST_SHOWN = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +72,7 @@ def presses_from_csv(path: Path) -> dict[str, tuple[PressRow, ...]]:
 def _check_columns(path: Path, found: Collection[str]) -> None:
     missing = [column for column in PRESS_COLUMNS if column not in found]
     if missing:
-        named = ", ".join(found) or "no column"
+        named = ", ".join(found)[:_MOST_SHOWN] or "no column"
         lacks = f"no {', '.join(missing)} among {named}"
         msg = f"{path.name} line 1: {lacks}; expected log,start_s,end_s"
         raise UsageError(msg)
@@ -88,8 +90,8 @@ def _press_row(record: Mapping[str, str], place: str) -> PressRow:
         msg = f"{place}: {found}; a press ends after it starts"
         raise UsageError(msg)
     text = (record.get("log_index") or "").strip()
-    if text and not (text.isascii() and text.isdigit()):
-        msg = f"{place}: log_index is {text!r}; expected a whole number from 0"
+    if text and not (text.isascii() and text.isdigit() and len(text) <= _MOST_DIGITS):
+        msg = f"{place}: log_index is {text[:_MOST_SHOWN]!r}; expected a whole number from 0"
         raise UsageError(msg)
     return PressRow(int(text) if text else None, start_ns, end_ns, place)
 
@@ -102,7 +104,7 @@ def _stamp(text: str, column: str, place: str) -> int:
         seconds = Decimal("NaN")
     if not (seconds.is_finite() and 0 <= seconds < NS_PER_S):
         wanted = "seconds since the log's first message"
-        msg = f"{place}: {column} is {text.strip()!r}; expected {wanted}"
+        msg = f"{place}: {column} is {text.strip()[:_MOST_SHOWN]!r}; expected {wanted}"
         raise UsageError(msg)
     return round(seconds * NS_PER_S)
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import csv
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,12 +19,16 @@ __all__ = ["SCAN_TOPIC", "SimulatedLog", "TruthContact", "simulate"]
 
 @dataclass(frozen=True, slots=True)
 class TruthContact:
-    """A contact as it was, whatever the bumper said: start <= t < end, log time."""
+    """A contact as it was, whatever the bumper said: start <= t < end, log time.
+
+    ``bearing_deg`` is where the robot was touched, to the left of straight ahead.
+    """
 
     start_ns: int
     end_ns: int
     visible: bool
     cause: str
+    bearing_deg: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +51,8 @@ class SimulatedLog:
 def simulate(path: Path, params: SimulationParams) -> SimulatedLog:
     """Write the log of a simulated robot, and the truth beside it.
 
-    The truth is a table with the columns log, start_s, end_s, visible, cause; times count
-    from the log's first message. Its name is the log's with ``.truth.csv`` behind it.
+    The truth is a table with the columns log, start_s, end_s, visible, cause, bearing_deg;
+    times count from the log's first message. Its name is the log's with ``.truth.csv`` behind it.
     With a camera there are ``.patches.csv`` (log, stamp_ns, row, column, floor, wall,
     obstacle: shares of the pixels of each patch) and ``.images.csv`` (log, stamp_ns,
     free_ahead_m); stamps are those of the messages. The same settings give the same messages.
@@ -115,18 +120,21 @@ def _free_path(path: Path, ending: str) -> Path:
 def _true_contact(run: Run, contact: Contact, end_ns: int) -> TruthContact:
     """Return a contact in log time, cut at the last message."""
     stop_ns = min(run.stamp(contact.end_step), end_ns)
-    return TruthContact(run.stamp(contact.start_step), stop_ns, contact.visible, contact.cause)
+    bearing_deg = math.degrees(contact.bearing_rad)
+    start_ns = run.stamp(contact.start_step)
+    return TruthContact(start_ns, stop_ns, contact.visible, contact.cause, bearing_deg)
 
 
 def _write_truth(path: Path, log: str, start_ns: int, contacts: tuple[TruthContact, ...]) -> None:
     try:
         with path.open("w", encoding="utf-8", newline="") as file:
             table = csv.writer(file, lineterminator="\n")
-            table.writerow(("log", "start_s", "end_s", "visible", "cause"))
+            table.writerow(("log", "start_s", "end_s", "visible", "cause", "bearing_deg"))
             for contact in contacts:
                 start_s = (contact.start_ns - start_ns) / NS_PER_S
                 end_s = (contact.end_ns - start_ns) / NS_PER_S
-                table.writerow((log, start_s, end_s, int(contact.visible), contact.cause))
+                cells = (int(contact.visible), contact.cause, f"{contact.bearing_deg:.1f}")
+                table.writerow((log, start_s, end_s, *cells))
     except OSError as err:
         msg = f"{path}: cannot be written ({err.strerror}); choose another place"
         raise OutputError(msg) from err

@@ -76,6 +76,12 @@ class AppearanceModel(LearntAppearance):
         self._embedder = PatchEmbedder((settings if parts is None else parts.settings).image)
         super().__init__(new_parts(settings, self._embedder.n_dims) if parts is None else parts)
         self._log: _OpenLog | None = None
+        self._n_labels = Counter[str]()
+
+    @property
+    def n_labels(self) -> Counter[str]:
+        """How many patches of the last log were labelled ``free`` and ``obstacle``."""
+        return self._n_labels
 
     @property
     def skipped(self) -> Counter[str]:
@@ -92,6 +98,7 @@ class AppearanceModel(LearntAppearance):
         self._embedder.for_log()
         queue = PatchQueue(self.settings.obstacle, self.settings.bumper, self.shape)
         self._log = _OpenLog(start, queue, LogLabeller(start, self.settings.bumper, queue))
+        self._n_labels = Counter()
 
     def observe(self, batch: Batch) -> LearntPatches:
         """Take in what the log holds up to ``batch.until_ns``."""
@@ -182,6 +189,9 @@ class AppearanceModel(LearntAppearance):
     def _count(self, settled: SettledPatches) -> None:
         """Count settled labels on the clusters, and keep them for the visits."""
         labelled = settled.labels != NO_LABEL
-        self.two_scale.add_labels(settled.ids[labelled], settled.labels[labelled] == 1)
+        positive = settled.labels[labelled] == 1
+        self.two_scale.add_labels(settled.ids[labelled], positive)
+        n_positive = int(positive.sum())
+        self._n_labels.update(free=positive.size - n_positive, obstacle=n_positive)
         sightings, labels = settled.sightings()
         self._spool.add(sightings, labels, len(self.logs))

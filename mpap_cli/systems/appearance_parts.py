@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mpap_cli.clustering.counted import are_counts
 from mpap_cli.clustering.two_scale import TwoScale
 from mpap_cli.errors import ModelError
 from mpap_cli.observations import Clustering, IntArray
@@ -121,7 +122,7 @@ def _check(parts: AppearanceParts, arrays: Mapping[str, NDArray[Any]]) -> None:
         ),
         "visits.ids": carried.ids.size == carried.counts.shape[0]
         and np.isin(carried.ids, parts.coarse.ids).all(),
-        "visits.counts": (carried.counts >= 0).all(),
+        "visits.counts": are_counts(carried.counts),
     }
     for items in ("clusters.", "reservoir."):
         name = _STRAP + items + "exemplar_"

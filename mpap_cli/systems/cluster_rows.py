@@ -22,9 +22,10 @@ class ClusterRow:
 
     ``collisions`` and ``non_collisions`` are counted labels of the target that is learnt;
     the interval ``p_low``, ``p_high`` counts visits instead, with and without a press.
-    The three are None where no label is counted. ``exemplar_time_s`` counts from the first
-    message of ``exemplar_log``; ``first_seen_s`` and ``last_seen_s`` count from that of the
-    first log, and of the last one, in which the cluster was seen.
+    The three are None where no label is counted; only ``p_collision`` of patches may then be
+    that of others near them. ``exemplar_time_s`` counts from the first message of
+    ``exemplar_log``; ``first_seen_s`` and ``last_seen_s`` count from that of the first log,
+    and of the last one, in which the cluster was seen.
     """
 
     sensor: str

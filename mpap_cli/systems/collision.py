@@ -32,7 +32,7 @@ from mpap_cli.systems.model_parts import (
     recluster,
     unpack,
 )
-from mpap_cli.systems.reading import SelfCheck, check_theta, contact_map_of, predict
+from mpap_cli.systems.reading import SelfCheck, check_theta, fit_reading, predict
 
 _GROWN_BY = 20
 _GROWN_SHARE = 0.1
@@ -181,9 +181,9 @@ class CollisionModel:
         return presses
 
     def recluster(self) -> None:
-        """Run affinity propagation over the cluster-points and fit the map to contacts."""
+        """Run affinity propagation over the cluster-points and fit what probabilities mean."""
         clustered = replace(self._known, clustered=recluster(self.meta_points, self.settings))
-        self._known = replace(clustered, contact_map=contact_map_of(clustered))
+        self._known = fit_reading(clustered)
 
     def finish(self) -> None:
         """Sum up the visits; the temporary file that they were counted from goes."""

@@ -20,8 +20,8 @@ def find_discrepancies(rows: Sequence[ClusterRow]) -> list[ClusterRow]:
     Returns
     -------
     list of ClusterRow
-        Those with a share of obstacles between 0.2 and 0.8, out of 20 labels or more and
-        from at least two presses, the most labelled ones first.
+        Those with a probability between 0.2 and 0.8 that have labels of both kinds, 20 or
+        more and from at least two presses, the most labelled ones first.
 
     Notes
     -----
@@ -33,10 +33,9 @@ def find_discrepancies(rows: Sequence[ClusterRow]) -> list[ClusterRow]:
 
 
 def _is_discrepancy(row: ClusterRow) -> bool:
-    n_labels = _n_labels(row)
-    share = row.collisions / max(n_labels, 1)
-    enough = n_labels >= LEAST_LABELS and row.presses >= LEAST_PRESSES
-    return enough and LOWEST_P < share < HIGHEST_P
+    enough = _n_labels(row) >= LEAST_LABELS and row.presses >= LEAST_PRESSES
+    both = row.collisions > 0 and row.non_collisions > 0
+    return enough and both and LOWEST_P < (row.p_collision or 0.0) < HIGHEST_P
 
 
 def _n_labels(row: ClusterRow) -> int:

@@ -1,7 +1,6 @@
 """One collision model from the models of several logs."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import accumulate
 
 import numpy as np
@@ -12,10 +11,9 @@ from mpap_cli.distance import squared_distances
 from mpap_cli.errors import ModelError, UsageError
 from mpap_cli.observations import IntArray
 from mpap_cli.params import settings_values
-from mpap_cli.properties.contact_map import ContactMap
 from mpap_cli.systems.collision import CollisionModel
 from mpap_cli.systems.model_parts import CarriedVisits, ModelParts, recluster
-from mpap_cli.systems.reading import contact_map_of
+from mpap_cli.systems.reading import fit_reading
 
 
 def merge_models(models: Sequence[CollisionModel]) -> CollisionModel:
@@ -52,11 +50,12 @@ def merge_models(models: Sequence[CollisionModel]) -> CollisionModel:
         settings=settings,
         meta_points=meta_points,
         clustered=recluster(meta_points, settings),
-        contact_map=ContactMap(),
+        contact_map=leaves[0].contact_map,
+        alarm_odds=leaves[0].alarm_odds,
         carried=_carried(leaves, meta_points),
         logs=tuple(log for leaf in leaves for log in leaf.logs),
     )
-    return CollisionModel(settings, replace(merged, contact_map=contact_map_of(merged)))
+    return CollisionModel(settings, fit_reading(merged))
 
 
 def _order(parts: ModelParts) -> tuple[list[tuple[int, str, int]], bytes]:

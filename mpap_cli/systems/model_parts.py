@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mpap_cli.clustering.counted import are_counts
 from mpap_cli.clustering.meta_points import MetaPoints
 from mpap_cli.errors import ModelError
-from mpap_cli.observations import Clustering, IntArray
-from mpap_cli.params import Settings
+from mpap_cli.observations import Clustering, Float64Array, IntArray
+from mpap_cli.params import TARGETS, Settings
 from mpap_cli.properties.contact_map import ContactMap
 from mpap_cli.properties.counts import ClusteredPoints
 from mpap_cli.properties.visits import Visits
@@ -18,7 +19,7 @@ from mpap_cli.systems.labelling import LogSource
 from mpap_cli.systems.model_arrays import are_within, make_header, read_array, read_header
 
 KIND = "mpap collision model"
-VERSION = 1
+VERSION = 2
 _META = "meta_points."
 _FIGURES = ("damping", "net_similarity", "preference", "slope", "offset")
 
@@ -60,12 +61,16 @@ class CarriedVisits:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelParts:
-    """Everything that a collision model knows between two logs."""
+    """Everything that a collision model knows between two logs.
+
+    From the ``alarm_odds`` (3,) of each pair of counts an alarm begins, NaN: none does.
+    """
 
     settings: Settings
     meta_points: MetaPoints
     clustered: ClusteredPoints
     contact_map: ContactMap
+    alarm_odds: Float64Array
     carried: CarriedVisits
     logs: tuple[LogSource, ...]
 
@@ -84,7 +89,8 @@ def new_parts(settings: Settings, n_dims: int) -> ModelParts:
     nothing = np.empty(0, dtype=np.int64)
     carried = CarriedVisits(nothing, np.empty((0, 4), dtype=np.int64))
     clustered = recluster(meta_points, settings)
-    return ModelParts(settings, meta_points, clustered, ContactMap(), carried, ())
+    alarm_odds = np.full(len(TARGETS), np.nan)
+    return ModelParts(settings, meta_points, clustered, ContactMap(), alarm_odds, carried, ())
 
 
 def recluster(meta_points: MetaPoints, settings: Settings) -> ClusteredPoints:
@@ -108,6 +114,7 @@ def pack(parts: ModelParts) -> ModelState:
         "clustering.exemplars": clustering.exemplars,
         "clustering.labels": clustering.labels,
         "clustering.figures": np.array(figures, dtype=np.float64),
+        "alarm_odds": parts.alarm_odds,
         **parts.carried.arrays(),
     }
     arrays |= {_META + name: array for name, array in parts.meta_points.state().items()}
@@ -140,6 +147,7 @@ def unpack(state: ModelState) -> ModelParts:
         MetaPoints.from_state(header.settings.meta_point, _meta_point_arrays(arrays)),
         ClusteredPoints(clustering, read_array(arrays, "clustering.ids", (None,))),
         ContactMap(slope, offset),
+        read_array(arrays, "alarm_odds", (len(TARGETS),), np.float64),
         CarriedVisits.read(arrays),
         header.logs,
     )
@@ -157,19 +165,24 @@ def _check(parts: ModelParts) -> None:
     clustering, carried = parts.clustered.clustering, parts.carried
     n_clusters, n_logs = parts.clustered.n_clusters, len(parts.logs)
     rows = points.rows_of(ids)
+    ascend = are_within(clustering.exemplars, ids.size) and bool(
+        (np.diff(clustering.exemplars) > 0).all()
+    )
     slope_offset = (parts.contact_map.slope, parts.contact_map.offset)
     checks = {
         "clustering.ids": (np.diff(ids) > 0).all()
         and (rows >= 0).all()
         and points.is_cluster_point[rows].all(),
-        "clustering.exemplars": are_within(clustering.exemplars, ids.size)
-        and (np.diff(clustering.exemplars) > 0).all(),
+        "clustering.exemplars": ascend,
         "clustering.labels": clustering.labels.size == ids.size
-        and are_within(clustering.labels, n_clusters),
+        and ascend
+        and are_within(clustering.labels, n_clusters)
+        and np.array_equal(clustering.labels[clustering.exemplars], np.arange(n_clusters)),
         "clustering.figures": np.isfinite(slope_offset).all() and slope_offset[0] > 0,
+        "alarm_odds": not (parts.alarm_odds < 0).any(),
         "visits.ids": carried.ids.size == carried.counts.shape[0]
         and np.isin(carried.ids, ids).all(),
-        "visits.counts": (carried.counts >= 0).all(),
+        "visits.counts": are_counts(carried.counts),
         "logs": are_within(points.exemplar_log, n_logs),
     }
     for name, holds in checks.items():

@@ -1,5 +1,6 @@
 """Which patches are obstacles: their nearest exemplars tell (section 4.2.5)."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from mpap_cli.observations import (
 from mpap_cli.params import Settings
 from mpap_cli.properties.counts import ClusteredPoints, ratio
 from mpap_cli.properties.kernel import Kernel, mean_of_counts
+from mpap_cli.properties.obstacle_evidence import weigh_labels
 from mpap_cli.systems.nearest import nearest_exemplars
 
 
@@ -61,13 +63,14 @@ class PatchClassifier:
 
     ``cluster`` (f,) int64 is -1 for exemplars that are in no coarse cluster;
     ``p_obstacle`` (f,) float64 is NaN everywhere if nothing is labelled. With a ``kernel``
-    the ``labels`` (f, 2) of the neighbors are read instead, and the ``base_rate``.
+    the ``evidence`` (f, 2) against and for an obstacle is read instead, and the
+    ``base_rate``, which is NaN then.
     """
 
     known: KnownPatches
     cluster: IntArray
     p_obstacle: Float64Array
-    labels: IntArray
+    evidence: Float64Array
     base_rate: float
     neighbors: int
     kernel: Kernel | None = None
@@ -85,7 +88,7 @@ class PatchClassifier:
         PatchPrediction
             Of several neighbors the mean of their probabilities, weighted by 1 / distance
             (those at distance 0 alone, if there are any), or what the kernel makes of
-            their labels; cluster and distance are always those of the nearest. Without
+            their evidence; cluster and distance are always those of the nearest. Without
             exemplars the cluster is -1 and the distance infinite.
         """
         shape = features.shape[:2]
@@ -100,8 +103,8 @@ class PatchClassifier:
     def _read(self, rows: IntArray, squared: Float64Array) -> Float64Array:
         """Read the probability of each patch off its neighbors (m, k)."""
         if self.kernel is not None:
-            counts = np.append(self.labels, [[0, 0]], axis=0)[rows]
-            return mean_of_counts(squared, counts, self.base_rate, self.kernel)
+            evidence = np.append(self.evidence, [[0.0, 0.0]], axis=0)[rows]
+            return mean_of_counts(squared, evidence, self.base_rate, self.kernel)
         p: Float64Array = np.append(self.p_obstacle, np.nan)[rows]
         return p[:, 0] if p.shape[1] == 1 else _weighted_mean(p, np.sqrt(squared))
 
@@ -132,8 +135,9 @@ def patch_classifier(
         A short-term one has its own counts; without any the probability of the nearest
         long-term one. The share of obstacles over all exemplars stands in where nothing
         is counted. Readout ``metapoint`` reads the counts of each exemplar with some
-        pseudo-counts at that probability, ``kernel`` the counts of all neighbors, each
-        weighing exp(-2 d^2 / eps^2), with some pseudo-counts at the base rate.
+        pseudo-counts at that probability, ``kernel`` the evidence of all neighbors
+        (:func:`~mpap_cli.properties.obstacle_evidence.weigh_labels`), each weighing
+        exp(-2 d^2 / eps^2), with some pseudo-counts at the base rate.
 
     Notes
     -----
@@ -142,7 +146,7 @@ def patch_classifier(
     coarse cluster that has swallowed a floor and a wall says the same of both.
     """
     params, fine = settings.properties, two_scale.fine()
-    p, base_rate = _probabilities(two_scale, coarse)
+    p = _probabilities(two_scale, coarse)
     if params.readout == "metapoint":
         prior = params.metapoint_prior
         total = fine.labels.sum(axis=1) + prior
@@ -151,15 +155,40 @@ def patch_classifier(
     n_short = int(fine.is_short.sum())
     neighbors, eps = settings.obstacle.neighbors, two_scale.strap.eps
     kernel = Kernel(eps / 2, neighbors, settings.obstacle.patch_prior)
+    touched = bool(fine.labels[:, 1].any())  # without a press, nothing is known of obstacles
+    sighting_weight = settings.obstacle.sighting_weight if touched else 0.0
+    evidence = weigh_labels(fine.labels, fine.count, sighting_weight)
+    against, speaking = evidence.sum(axis=0).tolist()
     return PatchClassifier(
         known=KnownPatches(fine.features, eps),
         cluster=np.append(coarse.clustering.labels, np.full(n_short, -1)),
         p_obstacle=p,
-        labels=fine.labels,
-        base_rate=base_rate,
+        evidence=evidence,
+        base_rate=speaking / (against + speaking) if fine.labels.any() else math.nan,
         neighbors=neighbors,
         kernel=kernel if params.readout == "kernel" else None,
     )
+
+
+def cluster_p_obstacle(
+    two_scale: TwoScale, coarse: ClusteredPoints, settings: Settings
+) -> Float64Array:
+    """Return the probability of each coarse cluster, in agreement with that of patches.
+
+    Returns
+    -------
+    ndarray of shape (k,)
+        Readout ``kernel``: what a patch like the exemplars of the cluster is given, the
+        mean over the patches that these stand for. Else the share of equation 8, NaN where
+        nothing is counted.
+    """
+    if settings.properties.readout != "kernel":
+        return ratio(coarse_counts(two_scale, coarse))
+    labels, exemplars = coarse.clustering.labels, two_scale.fine().features[: two_scale.n_clusters]
+    p = patch_classifier(two_scale, coarse, settings).classify(exemplars[None]).p_obstacle[0]
+    weight = np.bincount(labels, two_scale.count, coarse.n_clusters)
+    mean: Float64Array = np.bincount(labels, two_scale.count * p, coarse.n_clusters) / weight
+    return mean
 
 
 def coarse_counts(two_scale: TwoScale, coarse: ClusteredPoints) -> IntArray:
@@ -169,8 +198,8 @@ def coarse_counts(two_scale: TwoScale, coarse: ClusteredPoints) -> IntArray:
     return counts
 
 
-def _probabilities(two_scale: TwoScale, coarse: ClusteredPoints) -> tuple[Float64Array, float]:
-    """Return the probability of each exemplar of both time scales, and the base rate."""
+def _probabilities(two_scale: TwoScale, coarse: ClusteredPoints) -> Float64Array:
+    """Return the probability of each exemplar of both time scales (equation 8)."""
     fine = two_scale.fine()
     shares = ratio(coarse_counts(two_scale, coarse))[coarse.clustering.labels]
     p = np.append(shares, ratio(fine.labels[fine.is_short]))
@@ -179,7 +208,7 @@ def _probabilities(two_scale: TwoScale, coarse: ClusteredPoints) -> tuple[Float6
         rows, _ = nearest_exemplars(fine.features[bare], fine.features[: shares.size], 1)
         p[bare] = shares[rows[:, 0]]
     base_rate = float(ratio(fine.labels.sum(axis=0)))
-    return np.where(np.isnan(p), base_rate, p), base_rate
+    return np.where(np.isnan(p), base_rate, p)
 
 
 def _weighted_mean(p: Float64Array, distance: Float64Array) -> Float64Array:

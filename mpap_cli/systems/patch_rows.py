@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpap_cli.observations import IntArray
-from mpap_cli.properties.counts import jeffreys, ratio
+from mpap_cli.properties.counts import jeffreys
 from mpap_cli.properties.visits import Visits
 from mpap_cli.systems.appearance_parts import AppearanceParts
 from mpap_cli.systems.cluster_rows import ClusterRow, cell, describe_members
-from mpap_cli.systems.obstacles import coarse_counts
+from mpap_cli.systems.obstacles import cluster_p_obstacle, coarse_counts
 
 PATCH_FEATURE = "hsv+lbp"
 MOST_MEMBERS = 12
@@ -38,11 +38,11 @@ def make_patch_rows(parts: AppearanceParts, visits: Visits) -> list[ClusterRow]:
     """Describe each coarse cluster of a model, given its visits, in the order of the clusters.
 
     ``meta_points`` counts its exemplars, ``observations`` the patches that they stand for;
-    patches that are still outliers are in no cluster. The share of obstacles is that of
-    equation 8, under both profiles.
+    patches that are still outliers are in no cluster. ``p_collision`` agrees with what is
+    said of patches: :func:`~mpap_cli.systems.obstacles.cluster_p_obstacle`.
     """
     counts = coarse_counts(parts.two_scale, parts.coarse)
-    shares = ratio(counts)
+    shares = cluster_p_obstacle(parts.two_scale, parts.coarse, parts.settings)
     _, lows, highs = jeffreys(visits.positive, visits.negative)
     rows, columns = parts.settings.image.rows_columns()
     return [

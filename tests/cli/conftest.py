@@ -42,7 +42,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
     return call
 
 
-def scan_message(distance_m: float, n_beams: int) -> dict[str, Any]:
+def scan_message(distance_m: float, n_beams: int, range_max: float = 5.0) -> dict[str, Any]:
     """Return a scan of a wall ahead, open to the sides."""
     middle = n_beams // 2
     ranges = [
@@ -54,7 +54,7 @@ def scan_message(distance_m: float, n_beams: int) -> dict[str, Any]:
         "angle_min": -1.57,
         "angle_increment": 3.14 / n_beams,
         "range_min": 0.05,
-        "range_max": 5.0,
+        "range_max": range_max,
         "ranges": ranges,
     }
 
@@ -63,7 +63,7 @@ def scan_message(distance_m: float, n_beams: int) -> dict[str, Any]:
 def write_scans(tmp_path: Path) -> WriteScans:
     """Return a function that writes a log of approaches; pressed where it is near."""
 
-    def write(
+    def write(  # noqa: PLR0913  # what a log can differ in
         name: str = "log.bag",
         *,
         n_scans: int = 240,
@@ -71,6 +71,7 @@ def write_scans(tmp_path: Path) -> WriteScans:
         topics: Sequence[str] = ("/scan",),
         pressed: str = "near",
         container: str = "bag",
+        range_max: float = 5.0,
     ) -> Path:
         path = tmp_path / name
         with LogWriter(path, container) as writer:
@@ -79,6 +80,7 @@ def write_scans(tmp_path: Path) -> WriteScans:
                 distance_m = 2.2 - 0.05 * (index % 40)
                 states = {
                     "near": distance_m < 0.4,
+                    "from-start": index < 20 or distance_m < 0.4,
                     "always": True,
                     "never": False,
                     "once": 30 <= index < 36,
@@ -88,7 +90,7 @@ def write_scans(tmp_path: Path) -> WriteScans:
                     writer.write("/bump", BOOL, stamp_ns - 1000, {"data": states[pressed]})
                 for topic in topics:
                     beams = n_beams[index % len(n_beams)]
-                    writer.write(topic, SCAN, stamp_ns, scan_message(distance_m, beams))
+                    writer.write(topic, SCAN, stamp_ns, scan_message(distance_m, beams, range_max))
         return path
 
     return write

@@ -69,7 +69,7 @@ def test_info_tells_of_a_broken_image(run: Callable[..., Any], broken: Path) -> 
         None,
         None,
     )
-    assert facts["warnings"] == ["the first image could not be decoded"]
+    assert "the first image could not be decoded" in facts["warnings"]
 
 
 def test_whole_images_are_not_warned_of(tmp_path: Path, run: Callable[..., Any]) -> None:

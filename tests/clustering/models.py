@@ -21,7 +21,7 @@ def stream(n: int, kinds: int, seed: int = 0, spread: float = 0.13) -> Float32Ar
 
 def new_model(**params: Any) -> TwoScale:
     """Make a model with a small reservoir."""
-    small = {"eps": 0.18, "reservoir": 40, "exemplar_points": 3}
+    small = {"eps": 0.18, "reservoir": 40}
     return TwoScale(StrapParams(**{**small, **params}), AFFINITY, N_DIMS)
 
 

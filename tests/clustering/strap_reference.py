@@ -49,6 +49,7 @@ class Reference:
         self.heir: dict[int, int] = {}
         self.n_since_rebuild = self.n_rebuilds = 0
         self.share_of = [0.0, 0.0, 0.0, 0.0]
+        self.surplus = [0.0, 0.0]
 
     def add_observation(
         self, z: Float32Array, stamp_ns: int, patch: int, log_index: int
@@ -69,8 +70,11 @@ class Reference:
             cluster = self.clusters[squared.index(nearest)]
             self.fit(cluster, nearest, stamp_ns)
             found = cluster.id
-        if self.has_risen(is_outlier) or len(self.outliers) > self.strap.reservoir:
+        risen, overflows = self.has_risen(is_outlier), self.overflows(is_outlier)
+        if risen or overflows:
             self.rebuild()
+        elif len(self.outliers) > self.strap.reservoir:
+            self.settle(self.outliers.pop(0))
         return found, nearest, is_outlier
 
     def fit(self, cluster: Item, squared: float, now: int) -> None:
@@ -93,32 +97,33 @@ class Reference:
         self.share_of = [n, total, m, least]
         return self.strap.page_hinkley and m - least > self.strap.page_hinkley_lambda
 
-    def candidates(self) -> list[int]:
-        """Outliers with enough support."""
-        near = (table(self.outliers, self.outliers) < self.strap.eps**2).sum(axis=1)
-        points = self.strap.exemplar_points
-        chosen = []
-        for row, outlier in enumerate(self.outliers):
-            to_clusters = table([outlier], self.clusters).min(initial=np.inf)
-            needed = float(points)
-            if points > 1 and to_clusters < (1.5 * self.strap.eps) ** 2:
-                needed = max(points, self.n_since_rebuild / 500)
-            if near[row] >= needed:
-                chosen.append(row)
-        return chosen
+    def overflows(self, is_outlier: bool) -> bool:
+        """Too many outliers since the last rebuild, or in a stretch of a known place."""
+        most, known = self.strap.reservoir, self.strap.known_share
+        if not known or self.n_since_rebuild <= int(most / known) + 1:
+            return len(self.outliers) > most
+        m, least = self.surplus
+        m += is_outlier - self.strap.noise_share
+        least = min(least, m)
+        self.surplus = [m, least]
+        return m - least > most
+
+    def settle(self, outlier: Item) -> None:
+        """Let the nearest cluster count an outlier that left the reservoir."""
+        nearest = self.clusters[int(table([outlier], self.clusters).argmin())]
+        nearest.count += 1
+        nearest.labels = [a + b for a, b in zip(nearest.labels, outlier.labels, strict=True)]
+        self.heir[outlier.id] = nearest.id
 
     def short_exemplars(self) -> list[int]:
-        """Affinity propagation over the candidates."""
-        rows = self.candidates()
-        among = [self.outliers[row] for row in rows]
-        s = -table(among, among)
-        found = affinity_propagation(s, median(s), self.affinity)
-        return [rows[k] for k in found.exemplars]
+        """Affinity propagation over the outliers."""
+        s = -table(self.outliers, self.outliers)
+        return list(affinity_propagation(s, median(s), self.affinity).exemplars)
 
     def rebuild(self) -> None:
         """Lines 6 to 8."""
         items, k = self.faded(), len(self.clusters)
-        rows = [k + row for row in self.candidates()] or ([] if k else list(range(len(items))))
+        rows = list(range(k, len(items)))
         must = [*range(k), *(k + row for row in self.short_exemplars())]
         squared, eps = table(items, items), self.strap.eps
         exemplars = list(range(k))
@@ -135,14 +140,15 @@ class Reference:
         self.n_since_rebuild = 0
         self.n_rebuilds += 1
         self.share_of = [0.0, 0.0, 0.0, 0.0]
+        self.surplus = [0.0, 0.0]
 
-    def exemplars_of(self, items: list[Item], candidates: list[int]) -> list[int]:
-        """Weighted affinity propagation over the candidates and the clusters near them."""
+    def exemplars_of(self, items: list[Item], outliers: list[int]) -> list[int]:
+        """Weighted affinity propagation over the outliers and the clusters near them."""
         eps, k = self.strap.eps, len(self.clusters)
         squared = table(items, items)
         close = squared[:k, :k] + np.where(np.eye(k), np.inf, 0.0) < eps * eps
-        involved = (squared[:k][:, candidates] < (2 * eps) ** 2).any(axis=1) | close.any(axis=1)
-        rows = [*np.flatnonzero(involved).tolist(), *candidates]
+        involved = (squared[:k][:, outliers] < (2 * eps) ** 2).any(axis=1) | close.any(axis=1)
+        rows = [*np.flatnonzero(involved).tolist(), *outliers]
         weights = np.array([min(items[row].weight, self.strap.weight_cap) for row in rows])
         s = -squared[np.ix_(rows, rows)]
         step = -(-len(items) // 1000)

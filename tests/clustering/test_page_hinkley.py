@@ -81,3 +81,14 @@ def test_asking_changes_nothing() -> None:
     watch.first_alarm(np.ones(5, np.bool_))
 
     assert watch.state.tolist() == before.tolist()
+
+
+def test_a_given_mean_does_not_follow_the_stream() -> None:
+    """Of a steady share above it there is an alarm, of one below it never."""
+    one_in_four = np.arange(4000) % 4 == 0
+
+    above, below = (PageHinkley(delta=0.125, threshold=20.0, mean=m) for m in (0.0, 0.25))
+
+    # 40 ones in 157 values: 40 - 157 / 8 is the first above 20
+    assert above.first_alarm(one_in_four) == 157
+    assert below.first_alarm(one_in_four) is None

@@ -15,14 +15,14 @@ from mpap_cli.params import AffinityParams, StrapParams
 from tests.clustering.blobs import N_DIMS, around, centres, items_of
 
 AFFINITY = AffinityParams()
-STRAP = StrapParams(eps=0.18, exemplar_points=3)
+STRAP = StrapParams(eps=0.18)
 
 
 def strap_of(clusters: Items, reservoir: Items, params: StrapParams) -> Strap:
     """Return a Strap that holds these clusters and outliers."""
     counters = {"n_since_rebuild": 0, "n_outliers_ever": 0, "n_rebuilds": 0}
     next_id = clusters.n_items + reservoir.n_items
-    parts = StrapParts(clusters, reservoir, np.zeros(4), next_id=next_id, **counters)
+    parts = StrapParts(clusters, reservoir, np.zeros(4), np.zeros(4), next_id=next_id, **counters)
     return Strap.from_parts(params, AFFINITY, parts)
 
 
@@ -109,7 +109,7 @@ def test_an_exemplar_that_is_not_covered_stays_a_cluster_of_its_own() -> None:
     strap = strap_of(clusters, new, replace(STRAP, eps=0.4))
     items = joined(clusters, new)
 
-    chosen = choose_exemplars(items, 25, np.arange(25, 85), replace(STRAP, eps=0.4), AFFINITY)
+    chosen = choose_exemplars(items, 25, replace(STRAP, eps=0.4), AFFINITY)
     strap.update_clustering()
 
     assert np.count_nonzero(chosen < 25) < 25
@@ -127,32 +127,27 @@ def test_nothing_at_all_stays_nothing() -> None:
     assert (strap.clusters.n_items, strap.n_rebuilds) == (0, 1)
 
 
-def test_the_first_clusters_need_no_support() -> None:
-    """Where no outlier has any, and there is no cluster yet, all may become exemplars."""
-    strap = strap_of(
-        items_of(np.zeros((0, N_DIMS), np.float32)),
-        items_of(centres(6).astype(np.float32)),
-        STRAP,
-    )
+def test_the_oldest_outliers_of_a_known_place_join_the_nearest_cluster() -> None:
+    """Its counts and labels grow, its weight and distortion do not; the newest wait."""
+    kinds = centres(9).astype(np.float32)
+    reservoir = items_of(kinds[2:6], first_id=2)
+    reservoir.labels[:, 1] = [1, 2, 3, 4]
+    params = replace(STRAP, reservoir=4, known_share=0.5, noise_share=0.9)
+    strap = strap_of(items_of(kinds[:2]), reservoir, params)
+    known = np.repeat(kinds[:1], 9, axis=0)
+    none = np.zeros(9, np.int64)
 
-    strap.update_clustering()
+    strap.insert(known, none, none, log_index=0)
+    ids, _ = strap.insert(kinds[6:], none[:3], none[:3], log_index=0)
 
-    assert strap.clusters.n_items >= 1
-    assert strap.clusters.counts.sum() == 6
-    assert strap.n_reservoir == 0
-
-
-def test_lone_outliers_join_the_nearest_cluster() -> None:
-    """They make no cluster, and their labels are not lost."""
-    kinds = centres(8)
-    reservoir = items_of(kinds[2:].astype(np.float32), first_id=2)
-    reservoir.labels[:, 1] = 1
-    strap = strap_of(items_of(kinds[:2].astype(np.float32)), reservoir, STRAP)
-
-    strap.update_clustering()
-
-    assert strap.clusters.ids.tolist() == [0, 1]
-    assert strap.clusters.labels.sum(axis=0).tolist() == [0, 6]
+    heirs = squared_distances(kinds[2:5], kinds[:2]).argmin(axis=1)
+    assert strap.lineage.current(np.arange(2, 5)).tolist() == heirs.tolist()
+    assert strap.clusters.labels[:, 1].tolist() == np.bincount(heirs, [1, 2, 3], 2).tolist()
+    assert (strap.clusters.counts - np.bincount(heirs, minlength=2)).tolist() == [10, 1]
+    assert strap.clusters.weight.tolist() == [10.0, 1.0]
+    assert strap.clusters.distortion.tolist() == [0.0, 0.0]
+    assert strap.reservoir.ids.tolist() == [5, *ids.tolist()]
+    assert not strap.restarts.is_due
 
 
 def test_a_window_halves_what_was_last_seen_a_window_ago() -> None:

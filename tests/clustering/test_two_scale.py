@@ -89,20 +89,6 @@ def test_fine_exemplars_are_kept_until_something_changes() -> None:
     assert model.fine() is not relabelled
 
 
-def test_support_is_counted_anew_when_outliers_come() -> None:
-    """Two of a new kind are no short-term exemplar yet, with a third one they are."""
-    model, _ = filled()
-    new = around(np.repeat(centres(9)[8:], 3, axis=0), 0.05, np.random.default_rng(5))
-
-    explained = []
-    for part in (new[:2], new[2:]):
-        add(model, part)
-        squared = squared_distances(new, model.fine().features).min(axis=1)
-        explained.append(bool((squared < model.strap.eps**2).all()))
-
-    assert explained == [False, True]
-
-
 def test_coarse_clusters_are_those_of_the_long_exemplars() -> None:
     """Affinity propagation with a preference that grows with their number."""
     model, _ = filled()

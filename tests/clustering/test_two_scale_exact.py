@@ -16,7 +16,8 @@ STRAP = st.builds(
     StrapParams,
     eps=st.sampled_from([0.02, 0.12, 0.18, 0.3, 0.6]),
     reservoir=st.sampled_from([1, 2, 5, 12, 30]),
-    exemplar_points=st.sampled_from([1, 2, 3]),
+    known_share=st.sampled_from([0.0, 0.1, 0.5]),
+    noise_share=st.sampled_from([0.5, 0.8]),
     weight_cap=st.sampled_from([1, 10, 1000]),
     strap_window_s=st.sampled_from([None, 1e-8, 1.0]),
     strap_distortion=st.booleans(),
@@ -107,14 +108,14 @@ def test_blocks_give_exactly_what_single_observations_give(
     assert_same(points, stamps, params, sorted(min(cut, len(points)) for cut in cuts))
 
 
-@pytest.mark.parametrize("exemplar_points", [1, 3])
-def test_a_long_stream_in_many_dimensions_is_exact_too(exemplar_points: int) -> None:
+@pytest.mark.parametrize("known_share", [0.0, 0.3])
+def test_a_long_stream_in_many_dimensions_is_exact_too(known_share: float) -> None:
     """Hundreds of observations of 12 kinds, with fringes and several rebuilds."""
     rng = np.random.default_rng(0)
     centres = rng.dirichlet(np.full(26, 0.4), 12)
     kinds = np.minimum(rng.integers(0, 12, 600), np.arange(600) // 40)
     points = embed(rng.gamma(1e-3 + 40 * centres[kinds])).astype(np.float32)
-    params = StrapParams(eps=0.22, reservoir=40, exemplar_points=exemplar_points)
+    params = StrapParams(eps=0.22, reservoir=20, known_share=known_share, noise_share=0.3)
 
     found = assert_same(points, np.arange(600), params, [1, 2, 300])
 

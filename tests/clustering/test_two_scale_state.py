@@ -11,9 +11,7 @@ from mpap_cli.observations import Float32Array
 from mpap_cli.params import AffinityParams, StrapParams
 from tests.clustering.blobs import N_DIMS, around, centres
 
-PARAMS = StrapParams(
-    eps=0.18, reservoir=40, exemplar_points=3, page_hinkley=True, page_hinkley_lambda=30.0
-)
+PARAMS = StrapParams(eps=0.18, reservoir=40, page_hinkley=True, page_hinkley_lambda=30.0)
 AFFINITY = AffinityParams()
 
 
@@ -102,6 +100,7 @@ def test_a_smaller_reservoir_than_it_was_learnt_with_is_refused() -> None:
         ("clusters.exemplars", lambda a: a[0], "clusters.exemplars has shape"),
         ("reservoir.exemplars", lambda a: a[:, 1:], "reservoir.exemplars has shape"),
         ("reservoir.ids", lambda a: a[0], "reservoir.ids is not a list"),
+        ("surplus", lambda a: a[1:], "surplus has shape"),
         ("rises", lambda a: a + np.inf, "rises holds values that are not finite"),
     ],
 )

@@ -28,11 +28,19 @@ COLUMNS = {
     "clusters.csv": CLUSTER_COLUMNS,
     "auc.csv": "method feature bins profile readout target protocol truth auc auc_low auc_high "
     "auc_per_log folds_scored auc_in_sample average_precision brier brier_skill ece positives "
-    "negatives presses logs clusters meta_points",
+    "negatives presses logs clusters meta_points auc_per_log_low auc_per_log_high visible_presses "
+    "auc_visible auc_visible_low auc_visible_high auc_visible_per_log auc_visible_per_log_low "
+    "auc_visible_per_log_high calibration_slope calibration_intercept",
+    "differences.csv": "method feature bins profile against against_feature against_bins "
+    "against_profile target protocol truth scored logs diff_per_log diff_per_log_low "
+    "diff_per_log_high diff diff_low diff_high",
+    "operating.csv": "method feature bins profile target protocol threshold presses announced "
+    "recall median_lead_s visible_presses visible_announced visible_recall "
+    "visible_median_lead_s false_alarms_per_min alarm_share",
     "roc.csv": "method feature bins profile target protocol threshold fpr tpr",
     "timeline.csv": "log log_index time_s stamp_ns cluster p_cluster p_collision predicted truth "
-    "distance novel",
-    "presses.csv": "log log_index start_s end_s predicted lead_s",
+    "distance novel alarm",
+    "presses.csv": "log log_index start_s end_s predicted lead_s visible alarm_lead_s",
 }
 EVALUATE_FILES = {
     *COLUMNS,

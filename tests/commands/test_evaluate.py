@@ -30,7 +30,7 @@ IN_SAMPLE = ("--protocol", "in-sample")
 
 
 def test_evaluate_writes_its_files(made: Made) -> None:
-    """Five tables, three plots and the settings appear; the scans that were read go."""
+    """Seven tables, three plots and the settings appear; the scans that were read go."""
     out = made("evaluate", BAG, *IN_SAMPLE)
 
     assert {path.name for path in (out / "evaluate").iterdir()} == EVALUATE_FILES

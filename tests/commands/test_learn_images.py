@@ -66,6 +66,17 @@ def test_threads_do_not_matter(made: Made, tmp_path: Path, jobs: int) -> None:
     )
 
 
+def test_a_log_without_free_floor_is_named(tmp_path: Path) -> None:
+    """Where the robot never gets ahead far enough only obstacles have labels."""
+    far = ("--sensor", "image", "--set", "driven-min-m=100")
+
+    outcome = done("learn", CAMERA_A, *SMALL, *far, "-o", tmp_path / "out")
+
+    assert f"{CAMERA_A.name}: " in outcome.err
+    assert "of obstacles, none of free floor" in outcome.err
+    assert "--set driven-min-m=0" in outcome.err
+
+
 def test_a_model_goes_on_with_its_sensors(made: Made, tmp_path: Path) -> None:
     """--model learns the next log with what the model has, and counts both logs."""
     older = made("learn", CAMERA_A, "--sensor", "image", *SMALL)

@@ -5,11 +5,14 @@ import io
 import json
 import shutil
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
+from mcap.reader import make_reader
 
+from mpap_cli.logs.writing.event_log import EVENTS_TOPIC
 from tests.commands.running import (
     BAG,
     COLUMNS,
@@ -158,3 +161,19 @@ def test_a_folder_without_a_model_is_named(tmp_path: Path) -> None:
     assert outcome.code == 1
     assert "run mpap learn first" in outcome.err
     assert not (tmp_path / "out").exists()
+
+
+def test_alarms_are_events_of_the_log_of_predictions(made: Made, tmp_path: Path) -> None:
+    """As many as there are runs of alarms in the timeline."""
+    out = tmp_path / "out"
+    done("predict", made("learn", BAG), MCAP, "--to-mcap", "--out", out)
+    rows = rows_of(out / "predict" / "timeline.csv")
+    alarms = [row["alarm"] == "1" for row in rows]
+    begun = sum(now and not before for before, now in pairwise([False, *alarms]))
+
+    (path,) = (out / "predict").glob("*.mcap")
+    with path.open("rb") as file:
+        messages = [json.loads(m.data) for _, _, m in make_reader(file).iter_messages(EVENTS_TOPIC)]
+
+    kinds = [entry["value"] for one in messages for entry in one["metadata"]]
+    assert kinds.count("alarm") == begun > 0

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sklearn.linear_model import LogisticRegression
 from sklearn.metrics import brier_score_loss
 
-from mpap_cli.evaluation.calibration import calibration
+from mpap_cli.evaluation.calibration import calibration, recalibration
 
 
 @given(st.lists(st.tuples(st.floats(0, 1), st.booleans()), min_size=1, max_size=60))
@@ -61,3 +62,56 @@ def test_one_class_has_no_skill_and_no_scan_no_score() -> None:
     assert found is not None
     assert found.brier_skill is None
     assert calibration(np.zeros(0), np.zeros(0, dtype=np.bool_)) is None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_recalibration_is_a_logistic_regression_on_log_odds(seed: int) -> None:
+    """Slope and intercept are those of scikit-learn without a penalty."""
+    generator = np.random.default_rng(seed)
+    p = np.clip(generator.random(200) ** 2, 0.01, 0.99)
+    positive = generator.random(200) < p / 2
+    log_odds = np.log(p / (1 - p))
+
+    found = recalibration(p, positive)
+
+    oracle = LogisticRegression(C=1e9, tol=1e-10, max_iter=1000).fit(log_odds[:, None], positive)
+    assert found is not None
+    assert found == pytest.approx((oracle.coef_[0, 0], oracle.intercept_[0]), abs=1e-4)
+
+
+def test_honest_probabilities_have_slope_one_and_overstated_ones_less() -> None:
+    """Log odds twice as far from the base rate have half the slope; too high ones a shift."""
+    p = np.repeat([0.1, 0.5, 0.9], 1000)
+    positive = np.concatenate([np.arange(1000) < 1000 * q for q in (0.1, 0.5, 0.9)])
+    twice = p**2 / (p**2 + (1 - p) ** 2)
+    too_high = 3 * p / (3 * p + 1 - p)
+
+    assert recalibration(p, positive) == pytest.approx((1, 0), abs=1e-9)
+    assert recalibration(twice, positive) == pytest.approx((0.5, 0), abs=1e-9)
+    assert recalibration(too_high, positive) == pytest.approx((1, -np.log(3)), abs=1e-9)
+
+
+def test_certainty_is_taken_as_one_in_a_thousand() -> None:
+    """0 and 1 have no finite log odds."""
+    p = np.array([0.0, 0.0, 1.0, 1.0])
+    positive = np.array([False, True, True, False])
+
+    assert recalibration(p, positive) == pytest.approx((0, 0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("p", "positive"),
+    [
+        ([0.1, 0.2, 0.3], [False, False, True]),
+        ([0.1, 0.2, 0.2], [False, False, True]),
+        ([0.3, 0.2, 0.1], [False, False, True]),
+        ([0.2, 0.2, 0.2], [False, False, True]),
+        ([0.1, 0.2, 0.3], [False, False, False]),
+        ([0.1, 0.2, 0.3], [True, True, True]),
+    ],
+)
+def test_there_is_no_slope_where_a_threshold_parts_the_classes(
+    p: list[float], positive: list[bool]
+) -> None:
+    """The best slope would be infinite, or any would do."""
+    assert recalibration(np.array(p), np.array(positive)) is None

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from mpap_cli.evaluation.intervals import area_interval, resample_weights, unit_pairs
+from mpap_cli.evaluation.intervals import (
+    NO_INTERVAL,
+    log_mean_interval,
+    percentile_interval,
+    resample_weights,
+    unit_pairs,
+)
 from mpap_cli.evaluation.roc import Scored, area_under_curve
 from mpap_cli.observations import IntArray
 
@@ -24,42 +30,68 @@ def test_weighted_sums_equal_scans_written_out(seed: int) -> None:
     scored, unit = random_scans(seed)
     weights = resample_weights(6, 3, seed)
 
-    ordered, pairs = unit_pairs(scored, unit, 6)
+    areas = unit_pairs(scored, unit, 6).areas(weights)
 
-    for weight in weights:
-        times = weight[unit]
+    for weight, area in zip(weights, areas, strict=True):
+        times = weight[unit].astype(np.int64)
         repeated = Scored(
             np.repeat(scored.score, times),
             np.repeat(scored.positive, times),
             np.repeat(scored.fold, times),
         )
-        share = (weight @ ordered @ weight) / (weight @ pairs @ weight)
-        assert share == pytest.approx(area_under_curve(repeated))
+        assert area == pytest.approx(area_under_curve(repeated))
 
 
 def test_interval_holds_the_area() -> None:
     """The interval lies about the area, in [0, 1], and the seed decides it."""
     scored, unit = random_scans(7, 600)
+    pairs = unit_pairs(scored, unit, 6)
 
-    interval = area_interval(scored, unit, 400, 0)
+    low, high = percentile_interval(pairs.areas(resample_weights(6, 400, 0)))
 
     area = area_under_curve(scored)
-    assert interval is not None
+    assert low is not None
+    assert high is not None
     assert area is not None
-    assert 0 <= interval[0] < area < interval[1] <= 1
-    assert interval == area_interval(scored, unit, 400, 0)
-    assert interval != area_interval(scored, unit, 400, 1)
+    assert 0 <= low < area < high <= 1
+    assert percentile_interval(pairs.areas(resample_weights(6, 400, 1))) != (low, high)
 
 
-def test_nothing_to_resample_gives_no_interval() -> None:
-    """No units, no scan or one class: no interval."""
+def test_resamples_without_a_pair_are_left_out() -> None:
+    """One class: no interval; one class in some resamples: the others make it."""
     scored, unit = random_scans(1)
-    nothing = Scored(np.zeros(0), np.zeros(0, dtype=np.bool_), np.zeros(0, dtype=np.int64))
     one_class = Scored(scored.score, np.ones(120, dtype=np.bool_), scored.fold)
+    weights = resample_weights(6, 100, 0)
 
-    assert area_interval(scored, None, 100, 0) is None
-    assert area_interval(nothing, np.zeros(0, dtype=np.int64), 100, 0) is None
-    assert area_interval(one_class, unit, 100, 0) is None
+    found = unit_pairs(one_class, unit, 6).areas(weights)
+
+    assert np.isnan(found).all()
+    assert percentile_interval(found) == NO_INTERVAL
+    assert percentile_interval(np.array([np.nan, 0.5, 0.5])) == (0.5, 0.5)
+
+
+def test_a_mean_over_logs_needs_five_of_them() -> None:
+    """Logs without a figure are drawn too, but do not count among the five."""
+    four = np.array([0.1, np.nan, 0.2, 0.3, 0.4])
+    five = np.append(four, 0.5)
+
+    none = log_mean_interval(four, 200, 0)
+    low, high = log_mean_interval(five, 200, 0)
+
+    assert none == NO_INTERVAL
+    assert low is not None
+    assert high is not None
+    assert 0.1 < low < 0.3 < high < 0.5
+    assert log_mean_interval(five, 200, 0) == (low, high)
+    assert log_mean_interval(five, 200, 1) != (low, high)
+
+
+def test_equal_logs_leave_no_doubt() -> None:
+    """If every log says the same, so does every resample."""
+    low, high = log_mean_interval(np.full(6, 0.25), 50, 0)
+
+    assert low == pytest.approx(0.25)
+    assert high == pytest.approx(0.25)
 
 
 def test_each_resample_draws_as_many_units_as_there_are() -> None:

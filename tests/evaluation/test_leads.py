@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mpap_cli.evaluation.leads import FalseAlarms, Lead, false_alarms, press_leads, summarise
+from mpap_cli.evaluation.leads import FalseAlarms, Lead, PressJudge, summarise
 from mpap_cli.observations import NS_PER_S, Float64Array, IntArray, Press
 
 MISSED = Lead(False, 0.0)
@@ -46,7 +46,7 @@ def test_lead_is_the_length_of_the_run_that_reaches_the_onset(
     """The run counts from its first scan; gaps, pauses and silence end it."""
     stamps_ns, p = timeline(text)
 
-    found = press_leads(stamps_ns, p, [press(start_s, start_s + 1)], 0.2)
+    found = PressJudge(stamps_ns, p, [press(start_s, start_s + 1)]).leads(0.2)
 
     assert found[0].predicted == lead.predicted
     assert found[0].lead_s == pytest.approx(lead.lead_s)
@@ -56,7 +56,7 @@ def test_press_held_from_the_start_is_not_judged() -> None:
     """Nothing can announce a press that is on when the log begins."""
     stamps_ns, p = timeline("####")
 
-    found = press_leads(stamps_ns, p, [press(0, 1, held=True)], 0.2)
+    found = PressJudge(stamps_ns, p, [press(0, 1, held=True)]).leads(0.2)
 
     assert found == [NOT_JUDGED]
 
@@ -77,20 +77,51 @@ def test_false_alarms_are_runs_outside_contact(text: str, runs: int, seconds: fl
     """A run that touches the second around the press (4 s to 5 s) is no false alarm."""
     stamps_ns, p = timeline(text)
 
-    found = false_alarms(stamps_ns, p, [press(4, 5)], 0.2)
+    found = PressJudge(stamps_ns, p, [press(4, 5)]).false_alarms(0.2)
 
-    assert found == FalseAlarms(runs, seconds)
+    assert (found.runs, found.seconds) == (runs, seconds)
+
+
+@pytest.mark.parametrize(
+    ("text", "alarmed_s"),
+    [
+        ("....................", 0.0),
+        ("##..................", 1.0),
+        ("#######.............", 2.5),
+        ("####################", 6.0),
+        ("###     ###", 1.0),
+    ],
+)
+def test_an_alarm_that_never_ends_takes_all_the_time(text: str, alarmed_s: float) -> None:
+    """Runs into a contact (4 s to 5 s) are no false alarms, but alarmed time outside of it."""
+    stamps_ns, p = timeline(text)
+
+    found = PressJudge(stamps_ns, p, [press(4, 5)]).false_alarms(0.2)
+
+    assert found.alarmed_s == pytest.approx(alarmed_s)
+
+
+def test_a_press_is_announced_up_to_the_probability_at_its_onset() -> None:
+    """Presses that cannot be judged have none."""
+    stamps_ns, p = timeline("..#.?...")
+    presses = [press(1.1, 1.2), press(2.1, 2.2), press(3.6, 3.8)]
+
+    found = PressJudge(stamps_ns, p, presses).p_at_presses
+
+    assert found.tolist() == [0.2, 0.1]
 
 
 def test_summary_counts_a_missed_press_as_zero_seconds() -> None:
     """Median over judged presses, missed ones at 0 s; alarms over all logs' minutes."""
     leads = [Lead(True, 0.8), MISSED, Lead(True, 0.4), NOT_JUDGED]
 
-    found = summarise(leads, [FalseAlarms(1, 20.0), FalseAlarms(2, 40.0)])
+    found = summarise(leads, [FalseAlarms(1, 20.0, 1.0), FalseAlarms(2, 40.0, 5.0)])
 
     assert (found.announced, found.judged) == (2, 3)
     assert found.median_lead_s == 0.4
     assert found.false_alarms_per_min == 3
+    assert found.alarm_share == pytest.approx(0.1)
+    assert found.recall == pytest.approx(2 / 3)
 
 
 def test_summary_of_nothing_is_empty() -> None:
@@ -99,3 +130,5 @@ def test_summary_of_nothing_is_empty() -> None:
 
     assert found.median_lead_s is None
     assert found.false_alarms_per_min is None
+    assert found.alarm_share is None
+    assert found.recall is None

@@ -1,14 +1,23 @@
 """Every area that is empty is empty for a reason."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
-from mpap_cli.evaluation.marks import CIRCULAR, Asked, Marks, Name, Outcome, mark
+from mpap_cli.evaluation.marks import Asked, Marks, Name, Outcome, mark
 from mpap_cli.evaluation.observing import ScanRows
+from mpap_cli.evaluation.operating import join_logs
 from mpap_cli.evaluation.protocols import FoldPlan
-from mpap_cli.evaluation.rows import AucRow, PressRow, RocRow, TimelineRow
+from mpap_cli.evaluation.reasons import CIRCULAR
+from mpap_cli.evaluation.rows import (
+    AucRow,
+    DifferenceRow,
+    OperatingRow,
+    PressRow,
+    RocRow,
+    TimelineRow,
+)
 from mpap_cli.evaluation.sheets import Sheet
 from mpap_cli.params import EvaluationParams
 
@@ -22,6 +31,7 @@ def sheet_of(
     truth: list[int] | None = None,
     plan: FoldPlan | None = None,
     labels: list[int] | None = None,
+    seen: list[int] | None = None,
 ) -> Sheet:
     """Make a sheet of two logs, left out in turn."""
     true = TRUTH if truth is None else np.array(truth, dtype=np.int8)
@@ -36,26 +46,33 @@ def sheet_of(
         rows=rows,
         labels=np.stack([learnt] * 3, axis=1),
         truth=true,
+        truth_visible=true if seen is None else np.array(seen, dtype=np.int8),
         folds=used.place(LOG_INDEX, stamps_ns),
         unit=LOG_INDEX,
+        n_units=2,
         unit_kind="logs",
         protocol=used.protocol,
         protocol_reason="",
         n_presses=2,
+        n_visible=2 if seen is None else 1,
+        announcing=join_logs(LOG_INDEX, stamps_ns, [(), ()], [(), ()]),
     )
+
+
+ASKED = Asked(
+    target="contact",
+    truth="bumper",
+    pair=0,
+    n_logs=2,
+    circular=False,
+    params=EvaluationParams(resamples=20),
+    seed=0,
+)
 
 
 def marked(sheet: Sheet, *, circular: bool = False) -> Marks:
     """Mark the scores above."""
-    asked = Asked(
-        target="contact",
-        truth="bumper",
-        pair=0,
-        n_logs=2,
-        circular=circular,
-        params=EvaluationParams(resamples=20),
-        seed=0,
-    )
+    asked = replace(ASKED, circular=circular)
     outcome = Outcome(SCORE.copy(), SCORE.copy())
     return mark(Name(method="mpap"), asked, sheet, (outcome, outcome))
 
@@ -113,6 +130,23 @@ def test_one_press_leaves_the_in_sample_area() -> None:
     assert (found.row.positives, found.row.negatives) == (8, 12)
 
 
+def test_what_nobody_saw_is_neither_positive_nor_negative() -> None:
+    """Without the press of the second log its positives are out, and all else stays."""
+    score = SCORE.copy()
+    score[16:] = 0
+    seen = [*TRUTH[:10].tolist(), *[0] * 6, *[-1] * 4]
+    outcome = Outcome(score, score)
+
+    row = mark(Name(method="mpap"), ASKED, sheet_of(seen=seen), (outcome, outcome)).row
+
+    assert (row.presses, row.visible_presses) == (2, 1)
+    assert row.auc == pytest.approx((24 + 2) / 48)
+    assert row.auc_visible == 1
+    assert row.auc_per_log == pytest.approx((1 + 2 / 24) / 2)
+    assert row.auc_visible_per_log == 1
+    assert (row.positives, row.negatives) == (8, 12)
+
+
 def test_single_model_keeps_its_thresholds() -> None:
     """The rows of the curve begin above every score."""
     found = marked(sheet_of(plan=FoldPlan("in-sample", 1)))
@@ -130,7 +164,26 @@ def test_single_model_keeps_its_thresholds() -> None:
             (
                 "method, feature, bins, profile, readout, target, protocol, truth, auc, auc_low, "
                 "auc_high, auc_per_log, folds_scored, auc_in_sample, average_precision, brier, "
-                "brier_skill, ece, positives, negatives, presses, logs, clusters, meta_points"
+                "brier_skill, ece, positives, negatives, presses, logs, clusters, meta_points, "
+                "auc_per_log_low, auc_per_log_high, visible_presses, auc_visible, "
+                "auc_visible_low, auc_visible_high, auc_visible_per_log, auc_visible_per_log_low, "
+                "auc_visible_per_log_high, calibration_slope, calibration_intercept"
+            ),
+        ),
+        (
+            DifferenceRow,
+            (
+                "method, feature, bins, profile, against, against_feature, against_bins, "
+                "against_profile, target, protocol, truth, scored, logs, diff_per_log, "
+                "diff_per_log_low, diff_per_log_high, diff, diff_low, diff_high"
+            ),
+        ),
+        (
+            OperatingRow,
+            (
+                "method, feature, bins, profile, target, protocol, threshold, presses, announced, "
+                "recall, median_lead_s, visible_presses, visible_announced, visible_recall, "
+                "visible_median_lead_s, false_alarms_per_min, alarm_share"
             ),
         ),
         (RocRow, "method, feature, bins, profile, target, protocol, threshold, fpr, tpr"),
@@ -138,10 +191,10 @@ def test_single_model_keeps_its_thresholds() -> None:
             TimelineRow,
             (
                 "log, log_index, time_s, stamp_ns, cluster, p_cluster, p_collision, predicted, "
-                "truth, distance, novel"
+                "truth, distance, novel, alarm"
             ),
         ),
-        (PressRow, "log, log_index, start_s, end_s, predicted, lead_s"),
+        (PressRow, "log, log_index, start_s, end_s, predicted, lead_s, visible, alarm_lead_s"),
     ],
 )
 def test_columns_stand_in_their_order(kind: type, columns: str) -> None:

@@ -8,8 +8,8 @@ from sklearn.metrics import average_precision_score, roc_auc_score
 
 from mpap_cli.evaluation.roc import (
     Scored,
-    area_per_log,
     area_under_curve,
+    areas_of_logs,
     average_precision,
     fold_curve,
     ordered_pairs,
@@ -152,15 +152,15 @@ def test_one_class_has_no_area() -> None:
         fold_curve(scored.score, scored.positive)
 
 
-def test_logs_count_alike_in_the_mean_per_log() -> None:
-    """A long log does not outweigh a short one, and one of one class is left out."""
+def test_each_log_has_its_area() -> None:
+    """A log of one class has none, nor has one without scans."""
     log_index = np.array([0, 0, 1, 1, 1, 1, 2])
     score = np.array([0.1, 0.9, 0.9, 0.1, 0.1, 0.1, 0.5])
     positive = np.array([False, True, False, True, True, True, True])
 
-    area = area_per_log(Scored(score, positive, np.zeros(7, dtype=np.int64)), log_index)
+    areas = areas_of_logs(Scored(score, positive, np.zeros(7, dtype=np.int64)), log_index, 4)
 
-    assert area == 0.5
+    assert np.array_equal(areas, [1.0, 0.0, np.nan, np.nan], equal_nan=True)
 
 
 def test_counting_pairs_leaves_the_input_alone() -> None:

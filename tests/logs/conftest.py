@@ -74,6 +74,10 @@ class MemoryReader:
         """Yield messages in runs."""
         yield from group_messages(self.messages(topics, start_ns, end_ns))
 
+    def undefined_types(self) -> tuple[str, ...]:
+        """Messages that were encoded have a definition."""
+        return ()
+
     def decode(self, message: RawMessage) -> object:
         """Decode a message; one cut short is an error of that message."""
         store, msgtype = self._encoder.store, message.topic.msgtype

@@ -15,6 +15,7 @@ from mpap_cli.logs.fields import FieldError, scan_view
 from mpap_cli.logs.raw import RawMessage, Topic
 from mpap_cli.logs.writing.encoding import RosEncoder
 from mpap_cli.observations import Float32Array, ScanGeometry
+from tests import protobufs
 
 LASER_SCAN = "sensor_msgs/msg/LaserScan"
 ENCODERS = {"ros1": RosEncoder(1), "cdr": RosEncoder(2)}
@@ -183,13 +184,52 @@ def test_limits_that_are_no_numbers_count_as_empty() -> None:
     assert geometry.range_max == 0.0
 
 
-@pytest.mark.parametrize("encoding", ["protobuf", ""])
+@pytest.mark.parametrize("encoding", ["flatbuffer", ""])
 def test_other_encodings_are_field_errors(encoding: str) -> None:
     """An encoding that is not read is named."""
     topic = Topic("/scan", LASER_SCAN, encoding, 1, "", "")
 
     with pytest.raises(FieldError, match=f"encoding {encoding or 'unknown'}"):
         scan_view(RawMessage(topic, 0, b""))
+
+
+def test_protobuf_scan_is_read() -> None:
+    """Fields that are left out have their defaults; farther than 32 bits tell is inf."""
+    fields = {"start_angle": -1.0, "end_angle": 1.0, "ranges": [1.0, math.nan, 1e300]}
+    payload = protobufs.payload("foxglove.LaserScan", 3_000_000_005, **fields)
+    message = RawMessage(protobufs.topic("/scan", "foxglove.LaserScan"), LOG_NS, payload)
+
+    stamp_ns, ranges, geometry = scan_view(message, "header")
+
+    assert (stamp_ns, scan_view(message)[0]) == (3_000_000_005, LOG_NS)
+    np.testing.assert_array_equal(ranges, np.array([1.0, np.nan, np.inf], np.float32))
+    assert geometry == ScanGeometry(3, -1.0, 1.0, 0.0, 0.0, "")
+
+
+@pytest.mark.parametrize(
+    ("payload", "text"),
+    [
+        (b"\xff", "follow foxglove"),
+        (protobufs.payload("foxglove.LaserScan", 1), "without beams"),
+        (protobufs.payload("foxglove.LaserScan", ranges=[1.0, 2.0]), "all one angle"),
+        (protobufs.payload("foxglove.LaserScan", 10**20, ranges=[1.0]), "follow foxglove"),
+    ],
+)
+def test_broken_protobuf_scan_is_a_field_error(payload: bytes, text: str) -> None:
+    """What is no protobuf, no scan, or of no clock is an error of that message."""
+    topic = protobufs.topic("/scan", "foxglove.LaserScan")
+
+    with pytest.raises(FieldError, match=text):
+        scan_view(RawMessage(topic, LOG_NS, payload), "header")
+
+
+def test_protobuf_scan_without_a_schema_is_a_field_error() -> None:
+    """Numbers of fields alone say nothing."""
+    payload = protobufs.payload("foxglove.LaserScan", 1, ranges=[1.0])
+    topic = Topic("/scan", "foxglove.LaserScan", "protobuf", 1, "", "")
+
+    with pytest.raises(FieldError, match="follow foxglove"):
+        scan_view(RawMessage(topic, LOG_NS, payload))
 
 
 def test_json_scan_is_read() -> None:

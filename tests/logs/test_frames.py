@@ -15,6 +15,16 @@ from mpap_cli.logs.frames import FRAME_READERS, frame_view, read_frame
 from mpap_cli.logs.raw import PayloadError, Topic
 from mpap_cli.logs.writing.encoding import RosEncoder
 from mpap_cli.observations import Frame
+from tests import protobufs
+from tests.videos import (
+    DEPTHAI,
+    FOXGLOVE,
+    FOXGLOVE_ROS,
+    TRANSPORT,
+    VideoMessages,
+    as_json,
+    as_protobuf,
+)
 
 RAW, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 FOXGLOVE_RAW, FOXGLOVE_COMPRESSED = "foxglove.RawImage", "foxglove.CompressedImage"
@@ -27,6 +37,8 @@ JPEG = b"\xff\xd8\xff\xe0 and so on"
 
 def topic(msgtype: str, encoding: str) -> Topic:
     """Return a topic of images."""
+    if encoding == "protobuf" and msgtype in protobufs.TYPES:
+        return protobufs.topic("/camera", msgtype)
     return Topic("/camera", msgtype, encoding, 1, "", "")
 
 
@@ -54,6 +66,14 @@ def encode_json(**fields: Any) -> bytes:
     image = {"timestamp": stamp, "width": 3, "height": 2, "encoding": "rgb8", "step": 10}
     image["data"] = base64.b64encode(PIXELS).decode()
     return json.dumps({**image, **fields}).encode()
+
+
+RAW_FIELDS = {"width": 3, "height": 2, "encoding": "rgb8", "step": 10}
+
+
+def encode_protobuf(msgtype: str, **fields: Any) -> bytes:
+    """Return an image of foxglove in protobuf."""
+    return protobufs.payload(msgtype, STAMP_NS, **{"data": PIXELS, **fields})
 
 
 def view(payload: bytes, msgtype: str, encoding: str, **words: Any) -> Frame:
@@ -166,6 +186,26 @@ def test_json_that_is_no_image_is_refused(
         view(payload, FOXGLOVE_RAW, "json", time_source=time_source)
 
 
+def test_protobuf_image_has_its_bytes_and_its_form() -> None:
+    """Log time or the stamp inside, as is wanted."""
+    raw = encode_protobuf(FOXGLOVE_RAW, **RAW_FIELDS)
+    packed = encode_protobuf(FOXGLOVE_COMPRESSED, data=JPEG, format="jpeg")
+
+    by_log = view(raw, FOXGLOVE_RAW, "protobuf")
+    by_header = view(packed, FOXGLOVE_COMPRESSED, "protobuf", time_source="header")
+
+    assert by_log == Frame(RECORDED_NS, "rgb8", 3, 2, 10, PIXELS)
+    assert by_header == Frame(STAMP_NS, "compressed", 0, 0, 0, JPEG)
+
+
+def test_protobuf_image_without_a_schema_is_refused() -> None:
+    """Numbers of fields alone say nothing."""
+    bare = Topic("/camera", FOXGLOVE_RAW, "protobuf", 1, "", "")
+
+    with pytest.raises(FieldError, match=r"^an image that does not follow foxglove\.RawImage$"):
+        frame_view(bare, memoryview(encode_protobuf(FOXGLOVE_RAW, **RAW_FIELDS)), 0)
+
+
 WHOLE = {
     (RAW, "cdr"): encode_raw("cdr", is_bigendian=1, encoding="mono16"),
     (RAW, "ros1"): encode_raw("ros1"),
@@ -173,6 +213,15 @@ WHOLE = {
     (COMPRESSED, "ros1"): encode("ros1", COMPRESSED, data=JPEG),
     (FOXGLOVE_RAW, "json"): encode_json(),
     (FOXGLOVE_COMPRESSED, "json"): encode_json(),
+    (FOXGLOVE, "json"): as_json(PIXELS, "h264", STAMP_NS),
+    (FOXGLOVE, "protobuf"): as_protobuf(PIXELS, "h264", STAMP_NS),
+    (FOXGLOVE_RAW, "protobuf"): encode_protobuf(FOXGLOVE_RAW, **RAW_FIELDS),
+    (FOXGLOVE_COMPRESSED, "protobuf"): encode_protobuf(FOXGLOVE_COMPRESSED, format="jpeg"),
+    (FOXGLOVE_ROS, "cdr"): VideoMessages(2).ros(FOXGLOVE_ROS, PIXELS, "h264", STAMP_NS),
+    (FOXGLOVE_ROS, "ros1"): VideoMessages(1).ros(FOXGLOVE_ROS, PIXELS, "h264", STAMP_NS),
+    (TRANSPORT, "cdr"): VideoMessages(2).ros(TRANSPORT, PIXELS, "h264", STAMP_NS),
+    (DEPTHAI, "cdr"): VideoMessages(2).ros(TRANSPORT, PIXELS, "h264", STAMP_NS),
+    (DEPTHAI, "ros1"): VideoMessages(1).ros(TRANSPORT, PIXELS, "h264", STAMP_NS),
 }
 
 

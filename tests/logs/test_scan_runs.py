@@ -15,7 +15,8 @@ from mpap_cli.logs.files.runs import group_messages
 from mpap_cli.logs.raw import RawMessage, RawRun, Topic
 from mpap_cli.logs.scan_runs import read_scans
 from mpap_cli.logs.writing.encoding import RosEncoder
-from mpap_cli.observations import Float32Array
+from mpap_cli.observations import NS_PER_S, Float32Array
+from tests import protobufs
 
 LASER_SCAN = "sensor_msgs/msg/LaserScan"
 ENCODERS = {"ros1": RosEncoder(1), "cdr": RosEncoder(2)}
@@ -33,6 +34,9 @@ def encode(encoding: str, fields: dict[str, Any]) -> bytes:
         stamp = {"sec": fields["sec"], "nsec": 5}
         scan = {"timestamp": stamp, "start_angle": -1.0, "end_angle": 1.0}
         return json.dumps({**scan, "ranges": fields["ranges"].tolist()}).encode()
+    if encoding == "protobuf":
+        scan = {"start_angle": -1.0, "end_angle": 1.0, "ranges": fields["ranges"].tolist()}
+        return protobufs.payload("foxglove.LaserScan", fields["sec"] * NS_PER_S, **scan)
     header = {"stamp": {"sec": fields["sec"], "nanosec": 9}, "frame_id": fields["frame"]}
     names = ("angle_min", "angle_increment", "range_max", "scan_time", "ranges", "intensities")
     encoder = ENCODERS[encoding]
@@ -76,6 +80,8 @@ def spoil(payload: bytes, flaw: str) -> bytes:
 def run_of(encoding: str, payloads: list[bytes]) -> RawRun:
     """Put payloads behind one another, as a log has them."""
     topic = Topic("/scan", LASER_SCAN, encoding, len(payloads), "", "")
+    if encoding == "protobuf":
+        topic = protobufs.topic("/scan", "foxglove.LaserScan", len(payloads))
     messages = (RawMessage(topic, 10 * n, payload) for n, payload in enumerate(payloads))
     ((run,),) = (group.runs for group in group_messages(messages))
     return run
@@ -97,13 +103,13 @@ def one_by_one(run: RawRun, time_source: Literal["log", "header"]) -> tuple[Scan
 
 
 @pytest.mark.parametrize("time_source", ["log", "header"])
-@pytest.mark.parametrize("encoding", ["cdr", "ros1", "json", "protobuf"])
+@pytest.mark.parametrize("encoding", ["cdr", "ros1", "json", "protobuf", "cbor"])
 @given(scans=st.lists(st.tuples(scan_fields, flaws), min_size=1, max_size=20))
 def test_runs_hold_what_single_messages_do(
     encoding: str, time_source: Literal["log", "header"], scans: list[tuple[dict[str, Any], str]]
 ) -> None:
     """Whatever changes between scans, wherever they are broken."""
-    form = "cdr" if encoding == "protobuf" else encoding
+    form = "cdr" if encoding == "cbor" else encoding
     run = run_of(encoding, [spoil(encode(form, fields), flaw) for fields, flaw in scans])
 
     pieces, skipped = read_scans(run, time_source)

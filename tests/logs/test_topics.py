@@ -89,7 +89,7 @@ def test_empty_or_undecodable_scan_topics_are_no_candidates(make_log: MakeLog) -
     """A topic without message, or in an encoding that is not read, is not taken."""
     empty = [
         listed("/scan", LASER_SCAN, n_messages=0),
-        listed("/lidar", "foxglove.LaserScan", "protobuf"),
+        listed("/lidar", "foxglove.LaserScan", "flatbuffer"),
     ]
 
     roles = choose_roles(make_log(one_of_each(cmd_vel="geometry_msgs/msg/Twist"), empty=empty))
@@ -97,7 +97,25 @@ def test_empty_or_undecodable_scan_topics_are_no_candidates(make_log: MakeLog) -
     assert (roles.scan, roles.scan_candidates) == (None, ())
     assert roles.scan_reason == "no topic carries LaserScan"
     assert roles.notes == (
-        "/lidar (foxglove.LaserScan) is not used: encoding protobuf cannot be read",
+        "/lidar (foxglove.LaserScan) is not used: encoding flatbuffer cannot be read",
+    )
+
+
+def test_other_topics_that_cannot_be_read_are_counted(make_log: MakeLog) -> None:
+    """By encoding; those without a message or with a note of their own are not."""
+    empty = [
+        *(listed(f"/{name}", "pkg.Type", "flatbuffer") for name in "ab"),
+        listed("/c", "pkg.Type", "cbor", n_messages=0),
+        listed("/bump", "pkg.Type", "cbor"),
+        listed("/d", "pkg.Type", ""),
+    ]
+
+    roles = choose_roles(make_log(one_of_each(cmd_vel="geometry_msgs/msg/Twist"), empty=empty))
+
+    assert roles.notes == (
+        "/bump (pkg.Type) is not used: encoding cbor cannot be read",
+        "2 other topics are not used: encoding flatbuffer cannot be read",
+        "1 other topic is not used: encoding unknown cannot be read",
     )
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from mpap_cli.evaluation.novelty import Boundary, NoveltyRow
-from mpap_cli.outputs.novelty_plot import _courses, _heading, _line, plot_novelty
+from mpap_cli.outputs.novelty_curves import corners, courses_of
+from mpap_cli.outputs.novelty_plot import _heading, plot_novelty
 
 
 def windows(
@@ -78,7 +79,7 @@ def test_same_windows_same_bytes(tmp_path: Path, name: str) -> None:
 
 def test_time_runs_on_across_logs() -> None:
     """Each log begins where the one before it ended, whatever its own clock says."""
-    courses = _courses(A_B_A)
+    courses = courses_of(A_B_A)
 
     starts = [start for course in courses for start in course.start]
     assert starts == pytest.approx([0, 1, 2, 3, 4, 5, 6])
@@ -88,16 +89,16 @@ def test_time_runs_on_across_logs() -> None:
 
 def test_long_pause_is_drawn_one_window_wide() -> None:
     """A clock that jumps years ahead does not squeeze the rest of the plot."""
-    course = _courses(windows(0, [0, 60, 1e9, 1e9 + 90]))[0]
+    course = courses_of(windows(0, [0, 60, 1e9, 1e9 + 90]))[0]
 
     assert course.start == pytest.approx([0, 1, 3, 4.5])
 
 
 def test_line_steps_and_breaks_where_nothing_was_seen() -> None:
     """A window is level from its start to its end; a gap is not bridged."""
-    course = _courses(windows(0, [0, 60, 180]))[0]
+    course = courses_of(windows(0, [0, 60, 180]))[0]
 
-    x, y = _line(course, course.novel)
+    x, y = corners(course, course.novel)
 
     assert x[[0, 1, 2, 3]].tolist() == [0, 1, 1, 2]
     assert y[[0, 1, 2, 3]].tolist() == [100, 100, 50, 50]
@@ -107,9 +108,9 @@ def test_line_steps_and_breaks_where_nothing_was_seen() -> None:
 
 def test_overlapping_windows_are_a_curve_through_their_middles() -> None:
     """It reaches from the start of the first to the end of the last."""
-    course = _courses(windows(0, [0, 30, 60]))[0]
+    course = courses_of(windows(0, [0, 30, 60]))[0]
 
-    x, y = _line(course, course.novel)
+    x, y = corners(course, course.novel)
 
     assert x[:-1].tolist() == [0, 0.5, 1, 1.5, 2]
     assert y[:-1] == pytest.approx([100, 100, 50, 100 / 3, 100 / 3])
@@ -121,6 +122,6 @@ def test_overlapping_windows_are_a_curve_through_their_middles() -> None:
 )
 def test_name_is_cut_to_the_width_of_its_log(letters: int, heading: str) -> None:
     """Where hardly anything fits there is the number of the log."""
-    course = _courses(windows(4, [0], log="a_long_name.mcap"))[0]
+    course = courses_of(windows(4, [0], log="a_long_name.mcap"))[0]
 
     assert _heading(course, letters) == heading

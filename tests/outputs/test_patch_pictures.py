@@ -154,3 +154,25 @@ def test_pictures_need_no_plotting_library() -> None:
 
     for name in ("patch_pictures.py", "probabilities.py", "annotated.py", "action_signs.py"):
         assert "matplotlib" not in (source / name).read_text()
+
+
+def test_a_note_takes_the_place_of_probabilities(tmp_path: Path) -> None:
+    """Clusters that are known otherwise have no key of probabilities and no presses."""
+    noted = PatchCluster(
+        cluster=0,
+        p_obstacle=None,
+        observations=12,
+        presses=None,
+        exemplar=patch(GREEN),
+        note="90 % lawn",
+    )
+    other = PatchCluster(
+        cluster=0, p_obstacle=None, observations=12, presses=0, exemplar=patch(GREEN)
+    )
+
+    write_members(tmp_path / "noted.png", [noted])
+    write_members(tmp_path / "other.png", [other])
+
+    head = [drawn(tmp_path / f"{name}.png")[50:90] for name in ("noted", "other")]
+    assert (head[0] == 255).all()
+    assert not (head[1] == 255).all()

@@ -30,7 +30,9 @@ def drives(draw: st.DrawFn) -> tuple[IntArray, tuple[Press, ...], Float64Array]:
     stamps_ns = np.cumsum(np.array(gaps, dtype=np.int64)) * TENTH_NS
     at, presses = 0, list[Press]()
     held = draw(st.booleans())
-    for gap, length in draw(st.lists(st.tuples(st.integers(1, 40), st.integers(1, 9)), max_size=4)):
+    for gap, length in draw(
+        st.lists(st.tuples(st.integers(1, 40), st.integers(1, 19)), max_size=4)
+    ):
         start = at + gap
         at = start + length
         presses.append(Press(start * TENTH_NS, at * TENTH_NS, held and not presses))
@@ -85,8 +87,10 @@ def test_labels_equal_those_of_the_definition(
     for index, stamp_ns in enumerate(stamps_ns.tolist()):
         moved = driven_m[index] if odometry else np.nan
         so_far = [way for way in driven_m[: index + 1].tolist() if odometry and way == way]  # noqa: PLR0124  # NaN
-        if press_of(stamps_ns, index, presses) >= 0:
-            wanted[index, 6:18] = 1
+        start_ns = press_of(stamps_ns, index, presses)
+        if start_ns >= 0:
+            late = rule == "driven" and stamp_ns >= start_ns + NS_PER_S
+            wanted[index, 6:18] = -1 if late else 1
         elif rule == "plain":
             wanted[index] = 0
         elif is_driven(stamp_ns, presses, moved, max([0.0, *so_far])):

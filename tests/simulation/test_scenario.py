@@ -120,14 +120,16 @@ def test_truth_is_a_table_of_contacts(tmp_path: Path) -> None:
 
     lines = log.truth_path.read_text(encoding="utf-8").splitlines()
     assert log.truth_path.name == "day.bag.truth.csv"
-    assert lines[0] == "log,start_s,end_s,visible,cause"
+    assert lines[0] == "log,start_s,end_s,visible,cause,bearing_deg"
     assert len(lines) == 1 + len(log.contacts)
-    name, start_s, end_s, visible, cause = lines[1].split(",")
+    name, start_s, end_s, visible, cause, bearing_deg = lines[1].split(",")
     first = log.contacts[0]
     assert name == "day.bag"
     assert float(start_s) == pytest.approx((first.start_ns - log.start_ns) / NS_PER_S)
     assert float(end_s) == pytest.approx((first.end_ns - log.start_ns) / NS_PER_S)
     assert (visible == "1", cause) == (first.visible, first.cause)
+    assert float(bearing_deg) == pytest.approx(first.bearing_deg, abs=0.05)
+    assert all(abs(contact.bearing_deg) <= 80 for contact in log.contacts)
     assert all(log.start_ns <= c.start_ns < c.end_ns <= log.end_ns for c in log.contacts)
 
 

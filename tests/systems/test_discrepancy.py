@@ -19,7 +19,7 @@ def row_of(cluster: int, collisions: int, non_collisions: int, presses: int) -> 
         non_collisions=non_collisions,
         presses=presses,
         visits=9,
-        p_collision=None,
+        p_collision=collisions / (collisions + non_collisions) if collisions else None,
         p_low=None,
         p_high=None,
         meta_points=3,

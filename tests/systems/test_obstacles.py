@@ -14,6 +14,7 @@ from mpap_cli.systems.nearest import nearest_exemplars
 from mpap_cli.systems.obstacles import (
     KnownPatches,
     PatchClassifier,
+    cluster_p_obstacle,
     known_patches,
     patch_classifier,
 )
@@ -30,8 +31,8 @@ def classifier_of(exemplars: Float32Array, neighbors: int, seed: int) -> PatchCl
     random = np.random.default_rng(seed)
     known = KnownPatches(exemplars, eps=0.3)
     cluster = random.integers(0, 4, size=len(exemplars))
-    p, labels = random.uniform(size=len(exemplars)), random.integers(0, 9, (len(exemplars), 2))
-    return PatchClassifier(known, cluster, p, labels, base_rate=0.5, neighbors=neighbors)
+    p, evidence = random.uniform(size=len(exemplars)), random.uniform(size=(len(exemplars), 2))
+    return PatchClassifier(known, cluster, p, evidence, base_rate=0.5, neighbors=neighbors)
 
 
 @pytest.mark.parametrize("k", [1, 3, 45, 50])
@@ -170,7 +171,10 @@ def test_a_metapoint_is_read_with_pseudo_counts_of_its_cluster() -> None:
 
 
 def test_the_kernel_reads_the_labels_of_the_neighbors() -> None:
-    """Those of the nearest count in full, those at distance 1 by exp(-8), ten at the base rate."""
+    """Those of the nearest count in full, those at distance 1 by exp(-8), ten at the base rate.
+
+    The base rate is of 5 positive and 5 negative labels and 13 patches without any.
+    """
     two_scale, ids = two_kinds()
     two_scale.add_labels(ids[0], np.ones(5, dtype=np.bool_))
     two_scale.add_labels(ids[1], np.zeros(5, dtype=np.bool_))
@@ -181,7 +185,76 @@ def test_the_kernel_reads_the_labels_of_the_neighbors() -> None:
     p = found.classify(CORNERS[None, :2]).p_obstacle[0]
     far = np.exp(-2 / 0.5**2)
     total = 5 + 5 * far + 10
-    np.testing.assert_allclose(p, [(5 + 10 * 0.5) / total, (5 * far + 10 * 0.5) / total])
+    base_rate = (5 + 0.05 * 13) / (10 + 0.05 * 13)
+    wanted = [(5 + 10 * base_rate) / total, (5 * far + 10 * base_rate) / total]
+    np.testing.assert_allclose(p, wanted)
+
+
+def test_what_is_often_seen_and_never_driven_over_is_an_obstacle() -> None:
+    """Though nothing ever touched it; a weight of 0 leaves it at the base rate."""
+    two_scale, ids = two_kinds()
+    two_scale.add_labels(ids[0], np.ones(5, dtype=np.bool_))
+    two_scale.add_labels(fill(two_scale, 1, 995), np.zeros(995, dtype=np.bool_))
+    fill(two_scale, 2, 995)
+    found = {}
+
+    for weight in ("0.05", "0"):
+        settings = make_settings(values={"sighting-weight": weight})
+        classifier = patch_classifier(two_scale, cluster_coarsely(two_scale), settings)
+        found[weight] = classifier.classify(CORNERS[None, :3]).p_obstacle[0]
+
+    assert found["0.05"][2] > 0.8
+    assert found["0"][2] == pytest.approx(5 / 1000)
+    assert found["0.05"][1] < 0.01
+
+
+def test_a_touched_image_does_not_speak_against_floor() -> None:
+    """Three presses on 97 rides over the same floor leave 3 % of 3 positive labels."""
+    two_scale, _ = two_kinds()
+    positive = np.arange(100) < 3
+    two_scale.add_labels(fill(two_scale, 0, 100), positive)
+
+    classifier = patch_classifier(two_scale, cluster_coarsely(two_scale), make_settings())
+
+    speaking = 3 + 0.05 * 5  # of the first five patches there nobody says anything
+    wanted = [97, speaking**2 / (97 + speaking)]
+    np.testing.assert_allclose(classifier.evidence[0], wanted)
+
+
+def test_without_a_press_nothing_is_an_obstacle() -> None:
+    """Neither floor that was driven over nor what was only seen."""
+    two_scale, ids = two_kinds()
+    two_scale.add_labels(ids[0], np.zeros(5, dtype=np.bool_))
+    fill(two_scale, 2, 995)
+
+    classifier = patch_classifier(two_scale, cluster_coarsely(two_scale), make_settings())
+
+    assert classifier.classify(CORNERS[None, :3]).p_obstacle[0].tolist() == [0.0, 0.0, 0.0]
+
+
+def test_the_probability_of_a_cluster_is_that_of_its_patches() -> None:
+    """The mean over the patches of its exemplars, as predict gives it; equation 8 on paper."""
+    two_scale, ids = two_kinds()
+    two_scale.add_labels(ids[0], np.array([True, True, True, False, False]))
+    two_scale.add_labels(ids[1], np.zeros(5, dtype=np.bool_))
+    robust, paper = make_settings(), make_settings("paper")
+    together = Clustering(
+        np.array([0]),
+        np.zeros(3, dtype=np.int64),
+        n_iter=1,
+        converged=True,
+        damping=0.9,
+        net_similarity=0.0,
+        preference=0.0,
+    )
+    fill(two_scale, 2, 10)
+    coarse = ClusteredPoints(together, two_scale.ids)
+
+    p = cluster_p_obstacle(two_scale, coarse, robust)
+
+    said = patch_classifier(two_scale, coarse, robust).classify(CORNERS[None, :3]).p_obstacle[0]
+    assert p == pytest.approx([said @ [5, 5, 15] / 25])
+    assert cluster_p_obstacle(two_scale, coarse, paper).tolist() == [0.3]
 
 
 def test_nothing_labelled_gives_no_probability() -> None:

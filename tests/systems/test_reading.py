@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from mpap_cli.classifier import classify
 from mpap_cli.observations import (
     NS_PER_S,
     Batch,
@@ -13,8 +14,10 @@ from mpap_cli.observations import (
     ScanBlock,
 )
 from mpap_cli.params import Settings, make_settings
-from mpap_cli.properties.labels import label_scans
+from mpap_cli.properties.counts import ratio
+from mpap_cli.properties.labels import ONSET, label_scans
 from mpap_cli.systems.collision import CollisionModel
+from mpap_cli.systems.training import LabelledFeatures, train
 
 Drive = Callable[[int, int], tuple[ScanBlock, tuple[Press, ...]]]
 PartOf = Callable[[ScanBlock, int, int], ScanBlock]
@@ -71,7 +74,8 @@ def test_the_cluster_of_a_prediction_has_its_probability_in_the_table(
 
     found = model.predict(features)
 
-    known = [shown[cluster] for cluster in found.cluster.tolist()]
+    base_rate = ratio(model.meta_points.counts[:, 1].sum(axis=0))
+    known = [base_rate if shown[at] is None else shown[at] for at in found.cluster.tolist()]
     assert found.p_cluster.tolist() == known
 
 
@@ -131,3 +135,75 @@ def test_the_self_check_says_how_theta_suits(replayed: Replayed) -> None:
     assert (large.theta_too_large, large.theta_too_small) == (True, False)
     assert (small.theta_too_large, small.theta_too_small) == (False, True)
     assert (good.theta_too_large, good.theta_too_small) == (False, False)
+
+
+def test_curves_over_the_nearest_ranges_join_the_kernel(
+    drive: Drive, replayed: Replayed, features_of: FeaturesOf
+) -> None:
+    """Their share moves the odds from the kernel's all the way to those of the curves."""
+    block, _ = drive(60, 2)
+    settings = [make_settings(values={"range-share": share}) for share in ("0", "0.5", "1")]
+    models = [replayed(one) for one in settings]
+    features = features_of(settings[0], block)
+
+    odds = []
+    for model in models:
+        p = model.predict(features, "onset").p_collision
+        odds.append(np.log(p / (1 - p)))
+
+    np.testing.assert_allclose(odds[1], (odds[0] + odds[2]) / 2, atol=1e-9)
+    assert np.corrcoef(odds[2], features.features[:, 3])[0, 1] > 0.5
+
+
+def test_only_a_kernel_has_curves(
+    drive: Drive, replayed: Replayed, features_of: FeaturesOf
+) -> None:
+    """Another read-out says what its clusters say."""
+    settings = make_settings(values={"readout": "metapoint"})
+    model = replayed(settings)
+    features = features_of(settings, drive(60, 2)[0])
+
+    found = model.predict(features, "onset").p_collision
+
+    read = classify(
+        model.meta_points,
+        model.parts().clustered,
+        settings.properties,
+        ONSET,
+        features.features,
+    )
+    np.testing.assert_allclose(found, read.p_collision, atol=1e-15)
+
+
+def test_without_a_press_the_kernel_stands_alone(drive: Drive, features_of: FeaturesOf) -> None:
+    """Odds of nothing cannot be joined."""
+    settings = make_settings()
+    block, _ = drive(60, 2)
+    features = features_of(settings, block)
+    labels = np.zeros((block.stamps_ns.size, 3), dtype=np.int8)
+    model = train(settings, [LabelledFeatures(features, labels)])
+
+    found = model.predict(features, "onset")
+
+    assert set(found.p_collision.tolist()) == {0.0}
+
+
+def test_alarms_begin_by_the_odds_of_each_pair(
+    drive: Drive, replayed: Replayed, features_of: FeaturesOf
+) -> None:
+    """Contact goes by onsets, before the map; profile paper raises none."""
+    settings = make_settings()
+    model, paper = replayed(settings), replayed(make_settings("paper"))
+    features = features_of(settings, drive(60, 2)[0])
+
+    found = {target: model.predict(features, target) for target in ("contact", "onset", "early")}
+
+    begins = model.parts().alarm_odds
+    for target, pair in (("onset", 1), ("early", 2)):
+        p = found[target].p_collision
+        np.testing.assert_allclose(found[target].alarm, p / (1 - p) / begins[pair])
+    assert found["contact"].alarm.tolist() == found["onset"].alarm.tolist()
+    assert (found["early"].alarm >= 1).any()
+    assert np.isnan(paper.parts().alarm_odds).all()
+    asked = features_of(paper.settings, drive(60, 2)[0])
+    assert np.isnan(paper.predict(asked).alarm).all()

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mpap_cli.clustering.counted import are_counts
 from mpap_cli.clustering.meta_point_rows.tables import (
     CLUSTER_POINT,
     N_DROPPED,
@@ -31,6 +32,9 @@ _TABLES = {
     "sums": "f8",
     "exemplars": "f4",
 }
+# squares of these are finite
+_LARGEST_VALUE = 1e18
+_LARGEST_SUM = 1e100
 _OTHERS = {"is_cluster_point": "b1", "next_id": "i8", "n_dropped": "i8", "normalised": "b1"}
 
 
@@ -87,10 +91,13 @@ def _check(state: Mapping[str, NDArray[Any]]) -> None:
         wanted = shapes.get(name, (n,))
         _require(state[name].shape == wanted, name, f"has shape {state[name].shape}, not {wanted}")
     ids, next_id = state["ids"], int(state["next_id"])
-    for name in ("sums", "exemplars"):
-        _require(bool(np.isfinite(state[name]).all()), name, "holds values that are not finite")
-    for name, least in (("point_count", 1), ("label_counts", 0), ("ids", 0), ("n_dropped", 0)):
-        _require(bool((state[name] >= least).all()), name, f"holds values below {least}")
+    for name, most in (("sums", _LARGEST_SUM), ("exemplars", _LARGEST_VALUE)):
+        fits = bool((np.abs(state[name]) <= most).all())
+        _require(fits, name, "holds values that are not finite, or too large")
+    for name, least in (("point_count", 1), ("label_counts", 0), ("n_dropped", 0), ("next_id", 0)):
+        fits = are_counts(state[name], least)
+        _require(fits, name, f"holds values below {least} or beyond all counting")
+    _require(bool((ids >= 0).all()), "ids", "holds values below 0")
     _require(bool((np.diff(ids) > 0).all()), "ids", "do not ascend")
     _require(next_id > ids.max(initial=-1), "next_id", "is among the ids in use")
 

@@ -9,8 +9,6 @@ from mpap_cli.distance import similarities, squared_distances
 from mpap_cli.observations import Float32Array, Float64Array, IntArray
 from mpap_cli.params import AffinityParams, StrapParams
 
-_FRINGE_IN_EPS = 1.5
-_SHARE_OF_OBSERVATIONS = 1 / 500
 _NEAR_IN_EPS = 2.0
 _MOST_FOR_MEDIAN = 1000
 # More than float32 products of vectors of length 1 are off.
@@ -18,52 +16,9 @@ _ROUNDING = 1e-4
 _BLOCK = 512
 
 
-def eligible(
-    outliers: Float32Array, clusters: Float32Array, n_observations: int, strap: StrapParams
-) -> IntArray:
-    """Return which outliers have enough support to become exemplars.
-
-    Parameters
-    ----------
-    outliers, clusters : ndarray of shape (n, d) and (k, d)
-        Features of the reservoir, and exemplars of the clusters.
-    n_observations : int
-        How many observations there were since the last rebuild, outliers or not.
-    strap : StrapParams
-        Settings.
-
-    Returns
-    -------
-    ndarray of shape (c,)
-        Rows, ascending.
-
-    Notes
-    -----
-    The support of an outlier is the outliers within the fit radius of it, itself included;
-    it takes ``exemplar_points`` of them. Within 1.5 times the fit radius of a cluster is the
-    fringe of what is known, where noise puts most outliers of a known world: there the
-    support must also be one in 500 of all observations. That slows the growth of a known
-    world, it does not end it. With ``exemplar_points`` 1 every outlier is eligible, as STRAP
-    has it.
-    """
-    if strap.exemplar_points == 1:
-        return np.arange(len(outliers))
-    eps = strap.eps
-    support = np.count_nonzero(squared_distances(outliers, outliers) < eps * eps, axis=1)
-    needed = np.full(len(outliers), float(strap.exemplar_points))
-    if len(clusters):
-        from mpap_cli.clustering.strap_rows import _kernels  # noqa: PLC0415  # slow: numba
-
-        _, squared = _kernels.nearest(outliers, clusters)
-        fringe = squared < (_FRINGE_IN_EPS * eps) ** 2
-        needed[fringe] = np.maximum(needed[fringe], n_observations * _SHARE_OF_OBSERVATIONS)
-    return np.flatnonzero(support >= needed)
-
-
 def choose_exemplars(
     items: Items,
     n_clusters: int,
-    candidates: IntArray,
     strap: StrapParams,
     affinity: AffinityParams,
 ) -> IntArray:
@@ -75,8 +30,6 @@ def choose_exemplars(
         The clusters first, then all outliers.
     n_clusters : int
         How many of the items are clusters.
-    candidates : ndarray of shape (c,)
-        Rows of the outliers that may become exemplars; the others take no part.
     strap, affinity : StrapParams, AffinityParams
         Settings.
 
@@ -87,14 +40,14 @@ def choose_exemplars(
 
     Notes
     -----
-    Of the clusters those take part that are within twice the fit radius of a candidate or
+    Of the clusters those take part that are within twice the fit radius of an outlier or
     within the fit radius of another cluster: others could neither take in nor join anything
     that :func:`cover` would not part again. The preference is the median over all items, of
     more than 1,000 over as many that are spread evenly among them.
     """
-    clusters = np.arange(n_clusters)
-    involved = _involved(items.exemplars[clusters], items.exemplars[candidates], strap.eps)
-    rows = np.concatenate([involved, candidates])
+    clusters, outliers = np.arange(n_clusters), np.arange(n_clusters, items.n_items)
+    involved = _involved(items.exemplars[clusters], items.exemplars[outliers], strap.eps)
+    rows = np.concatenate([involved, outliers])
     s = similarities(items.exemplars[rows], affinity.similarity)
     weights = np.minimum(items.weight[rows], strap.weight_cap)
     preferences = np.full(len(rows), _preference(items, affinity))
@@ -106,11 +59,11 @@ def choose_exemplars(
     return np.union1d(rows[clustering.exemplars], np.setdiff1d(clusters, involved))
 
 
-def _involved(clusters: Float32Array, candidates: Float32Array, eps: float) -> IntArray:
-    """Return the clusters that a candidate or another cluster is near, ascending."""
+def _involved(clusters: Float32Array, outliers: Float32Array, eps: float) -> IntArray:
+    """Return the clusters that an outlier or another cluster is near, ascending."""
     reach = (_NEAR_IN_EPS * eps) ** 2
-    near_candidate = np.flatnonzero((squared_distances(clusters, candidates) < reach).any(axis=1))
-    return np.union1d(near_candidate, _close_ones(clusters, eps))
+    near_outlier = np.flatnonzero((squared_distances(clusters, outliers) < reach).any(axis=1))
+    return np.union1d(near_outlier, _close_ones(clusters, eps))
 
 
 def _close_ones(points: Float32Array, eps: float) -> IntArray:

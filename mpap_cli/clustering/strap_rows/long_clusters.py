@@ -46,7 +46,7 @@ class LongClusters:
 
     @property
     def weight(self) -> Float64Array:
-        """The same as the window fades it (k,)."""
+        """Those of them that fitted or were there at a rebuild, as the window fades it (k,)."""
         return self._long.clusters.weight.copy()
 
     @property

@@ -7,22 +7,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mpap_cli.clustering.counted import MOST_COUNTED, are_counts
 from mpap_cli.clustering.strap_rows.arrays import COLUMNS, Items
 from mpap_cli.errors import ModelError
 from mpap_cli.observations import Float64Array
 
 _LONG, _SHORT = "clusters.", "reservoir."
 _COUNTERS = ("next_id", "n_since_rebuild", "n_outliers_ever", "n_rebuilds")
-_MOST = 1 << 60
+_TESTS = ("surplus", "rises")
+_LARGEST = 1e100  # the square of it is finite
 LENGTH_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StrapParts:
-    """Everything that STRAP knows; ``rises`` (4,) is the state of its Page-Hinkley test."""
+    """Everything that STRAP knows; ``surplus`` and ``rises`` (4,) are states of its tests."""
 
     clusters: Items
     reservoir: Items
+    surplus: Float64Array
     rises: Float64Array
     next_id: int
     n_since_rebuild: int
@@ -38,8 +41,7 @@ def pack(parts: StrapParts) -> dict[str, NDArray[Any]]:
         for name, column in items._asdict().items()
     }
     state |= {name: np.array(getattr(parts, name), np.int64) for name in _COUNTERS}
-    state["rises"] = np.array(parts.rises)
-    return state
+    return state | {name: np.array(getattr(parts, name)) for name in _TESTS}
 
 
 def unpack(state: Mapping[str, NDArray[Any]]) -> StrapParts:
@@ -61,18 +63,20 @@ def unpack(state: Mapping[str, NDArray[Any]]) -> StrapParts:
     ids = np.concatenate([clusters.ids, reservoir.ids])
     _require(bool((np.diff(ids) > 0).all()), "ids", "do not ascend")
     _require(counters["next_id"] > ids.max(initial=-1), "next_id", "is among the ids in use")
-    return StrapParts(clusters, reservoir, np.array(state["rises"]), **counters)
+    surplus, rises = (np.array(state[name]) for name in _TESTS)
+    return StrapParts(clusters, reservoir, surplus, rises, **counters)
 
 
 def _check(state: Mapping[str, NDArray[Any]]) -> None:
     """Raise ModelError unless all arrays are there, of the right types and shapes."""
     kinds = {prefix + name: kind for prefix in (_LONG, _SHORT) for name, kind in COLUMNS.items()}
-    kinds |= {**dict.fromkeys(_COUNTERS, "i8"), "rises": "f8"}
+    kinds |= {**dict.fromkeys(_COUNTERS, "i8"), **dict.fromkeys(_TESTS, "f8")}
     for name, kind in kinds.items():
         _require(name in state, name, "is missing")
         found = state[name].dtype
         _require(found == np.dtype(kind), name, f"has type {found}, expected {np.dtype(kind)}")
-    shapes: dict[str, tuple[int, ...]] = {**dict.fromkeys(_COUNTERS, ()), "rises": (4,)}
+    shapes: dict[str, tuple[int, ...]] = dict.fromkeys(_COUNTERS, ())
+    shapes |= dict.fromkeys(_TESTS, (4,))
     n_dims = state[_LONG + "exemplars"].shape[-1:]
     for prefix in (_LONG, _SHORT):
         _require(state[prefix + "ids"].ndim == 1, prefix + "ids", "is not a list")
@@ -81,21 +85,23 @@ def _check(state: Mapping[str, NDArray[Any]]) -> None:
         shapes |= {prefix + "labels": (*n, 2), prefix + "exemplars": (*n, *n_dims)}
     for name, wanted in shapes.items():
         _require(state[name].shape == wanted, name, f"has shape {state[name].shape}, not {wanted}")
-    _require(bool(np.isfinite(state["rises"]).all()), "rises", "holds values that are not finite")
+    for name in _TESTS:
+        _require(bool(np.isfinite(state[name]).all()), name, "holds values that are not finite")
     for name in _COUNTERS:
-        _require(0 <= int(state[name]) < _MOST, name, f"is {state[name]}")
+        _require(0 <= int(state[name]) < MOST_COUNTED, name, f"is {state[name]}")
 
 
 def _check_items(items: Items, prefix: str) -> None:
     """Raise ModelError if a value cannot be one of clusters or outliers."""
-    least = {"ids": 0, "counts": 1, "labels": 0, "exemplar_log": 0, "exemplar_patch": 0}
-    for name, lowest in least.items():
-        holds = bool((getattr(items, name) >= lowest).all())
-        _require(holds, prefix + name, f"holds values below {lowest}")
+    for name, lowest in (("counts", 1), ("labels", 0)):
+        holds = are_counts(getattr(items, name), lowest)
+        _require(holds, prefix + name, f"holds values below {lowest} or beyond all counting")
+    for name in ("ids", "exemplar_log", "exemplar_patch"):
+        _require(bool((getattr(items, name) >= 0).all()), prefix + name, "holds values below 0")
     for name in ("weight", "distortion"):
         column = getattr(items, name)
-        good = bool((np.isfinite(column) & (column >= 0)).all())
-        _require(good, prefix + name, "holds values that are negative or not finite")
+        good = bool(((column >= 0) & (column <= _LARGEST)).all())
+        _require(good, prefix + name, "holds values that are negative or not finite, or too large")
     off = np.abs(np.square(items.exemplars, dtype=np.float64).sum(axis=1) - 1.0)
     _require(bool((off < LENGTH_TOLERANCE).all()), prefix + "exemplars", "are not of length 1")
 

@@ -4,7 +4,15 @@ import numpy as np
 
 from mpap_cli.evaluation.calibration import N_BINS
 from mpap_cli.evaluation.marks import Marks
-from mpap_cli.evaluation.rows import AucRow, PressRow, RocRow, TimelineRow
+from mpap_cli.evaluation.operating import operating_rows
+from mpap_cli.evaluation.rows import (
+    AucRow,
+    DifferenceRow,
+    OperatingRow,
+    PressRow,
+    RocRow,
+    TimelineRow,
+)
 from mpap_cli.evaluation.scoring import Evaluation
 from mpap_cli.evaluation.timelines import Timeline
 from mpap_cli.outputs import plots
@@ -27,6 +35,9 @@ def write_evaluation(results: ResultsFolder, evaluation: Evaluation) -> None:
     write_csv(results.path("auc.csv"), AucRow, (marks.row for marks in evaluation.marks))
     roc_rows = (row for marks in evaluation.marks for row in marks.roc_rows())
     write_csv(results.path("roc.csv"), RocRow, roc_rows)
+    write_csv(results.path("differences.csv"), DifferenceRow, evaluation.differences)
+    operating = (row for one in evaluation.marks for row in operating_rows(one.row, one.points))
+    write_csv(results.path("operating.csv"), OperatingRow, operating)
     write_csv(results.path("timeline.csv"), TimelineRow, evaluation.timeline.rows())
     write_csv(results.path("presses.csv"), PressRow, evaluation.timeline.press_rows())
     write_csv(results.path("clusters.csv"), ClusterRow, model.clusters())
@@ -41,8 +52,15 @@ def write_evaluation(results: ResultsFolder, evaluation: Evaluation) -> None:
     plots.plot_calibration(
         results.path("calibration.png"),
         _reliability(evaluation.marks[0]),
-        f"{first.method}, {title}",
+        f"{first.method}, {title}{_recalibration(first)}",
     )
+
+
+def _recalibration(row: AucRow) -> str:
+    """Return slope and intercept on a line of their own, nothing where there are none."""
+    if row.calibration_slope is None:
+        return ""
+    return f"\nslope {row.calibration_slope:.2f}, intercept {row.calibration_intercept:.2f}"
 
 
 def _roc_lines(marks: tuple[Marks, ...]) -> list[plots.RocLine]:

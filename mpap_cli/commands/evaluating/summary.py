@@ -4,6 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mpap_cli.commands.evaluating.scores import (
+    alarmed,
+    announced,
+    best_below,
+    per_log,
+    probabilities,
+    spoken,
+    visible_scores,
+)
 from mpap_cli.commands.settings import SettingsRequest
 from mpap_cli.evaluation.paper_tables import TABLE_4
 from mpap_cli.evaluation.protocols import FoldPlan
@@ -11,19 +20,9 @@ from mpap_cli.evaluation.rows import AucRow
 from mpap_cli.evaluation.scoring import Evaluation, Variant
 from mpap_cli.evaluation.sheets import Question
 from mpap_cli.observations import NS_PER_S
-from mpap_cli.outputs.evaluate_text import (
-    Announced,
-    Auc,
-    Comparison,
-    EvaluateSummary,
-    MethodRow,
-    count,
-)
-
-SPOKEN = {
-    "nearest-range": "nearest range ahead",
-    "nearest-range-1s": "nearest range of the last second",
-}
+from mpap_cli.outputs.evaluate_text import EvaluateSummary, MethodRow
+from mpap_cli.outputs.score_lines import Auc, Comparison
+from mpap_cli.outputs.text_table import count
 
 
 def summarise(
@@ -60,6 +59,7 @@ def summarise(
     first = ours[0].row
     feature = request.feature or str(first.feature)
     same = [one for one in ours if one.row.profile == first.profile]
+    alone = len(same) == 1
     bins = tuple(dict.fromkeys(one.row.bins for one in same if one.row.bins is not None))
     return EvaluateSummary(
         feature=feature,
@@ -73,20 +73,17 @@ def summarise(
         truth=first.truth,
         rows=tuple(_method_row(one.row, held_out=held_out) for one in same),
         target=first.target,
-        comparisons=(
-            *(
-                _comparison(f"{one.row.method} ({one.row.profile})", one.row, held_out=held_out)
-                for one in ours
-                if one not in same
-            ),
-            *(
-                _comparison(SPOKEN.get(one.row.method, one.row.method), one.row, held_out=held_out)
-                for one in others
-            ),
+        comparisons=tuple(
+            _comparison(one.row, held_out=held_out) for one in (*ours, *others) if one not in same
         ),
         protocol=evaluation.protocol,
         protocol_detail=_protocol_detail(evaluation),
-        announced=_announced(evaluation),
+        per_log=per_log(evaluation) if alone else None,
+        visible=visible_scores(evaluation) if alone else None,
+        alarmed=alarmed(evaluation),
+        announced=announced(evaluation),
+        best=best_below(evaluation.marks[0]) if alone else None,
+        probabilities=probabilities(first) if alone else None,
         notes=(*_notes(evaluation), *seen),
     )
 
@@ -138,9 +135,9 @@ def _area(row: AucRow) -> Auc:
     return Auc(row.auc, row.auc_low, row.auc_high)
 
 
-def _comparison(name: str, row: AucRow, *, held_out: bool) -> Comparison:
+def _comparison(row: AucRow, *, held_out: bool) -> Comparison:
     """Return what another method reached, marked where it has seen what it scores."""
-    return Comparison(name if held_out else f"{name}, in-sample", _area(row))
+    return Comparison(spoken(row) if held_out else f"{spoken(row)}, in-sample", _area(row))
 
 
 def _protocol_detail(evaluation: Evaluation) -> str:
@@ -157,20 +154,6 @@ def _guard(plan: FoldPlan) -> str:
     guards_s = (plan.guard_ns if plan.guard_ns is not None else np.zeros(1)) / NS_PER_S
     low, high = (f"{value:.1f}".removesuffix(".0") for value in (guards_s.min(), guards_s.max()))
     return f"{high} s guard" if low == high else f"{low} to {high} s guard"
-
-
-def _announced(evaluation: Evaluation) -> Announced | None:
-    """Return how the presses were announced, if any was judged."""
-    summary = evaluation.timeline.summary
-    if summary.judged == 0:
-        return None
-    return Announced(
-        threshold=evaluation.timeline.threshold,
-        announced=summary.announced,
-        presses=summary.judged,
-        median_lead_s=summary.median_lead_s,
-        false_alarms_per_minute=summary.false_alarms_per_min,
-    )
 
 
 def _notes(evaluation: Evaluation) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 from mpap_cli.commands.inputs.sources import Source
 from mpap_cli.features.scans.scan_features import ScanEmbedder
 from mpap_cli.observations import Float64Array, ObservedLog, Press
-from mpap_cli.outputs.evaluate_text import count
+from mpap_cli.outputs.text_table import count
 from mpap_cli.params import ScanParams
 from mpap_cli.systems.appearance import AppearanceModel
 from mpap_cli.systems.collision import CollisionModel
@@ -75,7 +75,15 @@ def tell_of_model(model: CollisionModel) -> None:
 
 
 def tell_of_appearance(model: AppearanceModel) -> None:
-    """Say which clusters of patches were met both as obstacles and as free floor (4.2.4)."""
+    """Say where floor has no label, and what was met both as obstacle and as floor (4.2.4)."""
+    n_labels = model.n_labels
+    if n_labels["obstacle"] and not n_labels["free"]:
+        LOGGER.warning(
+            "%s: %s of obstacles, none of free floor: the robot never drives on by its odometry "
+            "(--set driven-min-m=0 if that stands still)",
+            model.logs[-1].name,
+            count(n_labels["obstacle"], "label"),
+        )
     for found in model.discrepancies():
         LOGGER.info(
             "cluster %d of patches is no clear case: p(obstacle) %.2f, from %s and %s",

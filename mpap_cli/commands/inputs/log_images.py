@@ -5,9 +5,9 @@ from collections.abc import Collection, Iterator
 
 from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.errors import LogError
-from mpap_cli.logs.frames import read_frame
 from mpap_cli.logs.reader import LogReader, RawMessage, Topic, expand_paths, open_log
 from mpap_cli.logs.topics import choose_roles
+from mpap_cli.logs.video.links import read_linked
 from mpap_cli.observations import NS_PER_S, Frame
 
 LOGGER = logging.getLogger(__name__)
@@ -61,6 +61,6 @@ def _message_at(reader: LogReader, topic: Topic, stamp_ns: int) -> RawMessage | 
 def _frame(reader: LogReader, message: RawMessage) -> Frame | None:
     """Return the image of a message, None if it does not fit its type."""
     try:
-        return read_frame(reader, message)
+        return read_linked(reader, message)
     except LogError:
         return None

@@ -10,12 +10,13 @@ from mpap_cli.commands.inputs.press_file import presses_by_hand
 from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.commands.inputs.sensors import SCAN, sensors_of
 from mpap_cli.errors import LogError
+from mpap_cli.logs.clocks import out_of_turn
 from mpap_cli.logs.reader import Damage, LogReader, open_log
 from mpap_cli.logs.replay import Replay
 from mpap_cli.logs.survey import Survey, survey_log
 from mpap_cli.logs.topics import Roles, choose_roles
 from mpap_cli.observations import Batch
-from mpap_cli.outputs.evaluate_text import count
+from mpap_cli.outputs.text_table import count
 from mpap_cli.params import Settings
 from mpap_cli.properties.press_files import PressRow, presses_of_log
 from mpap_cli.properties.presses import with_virtual_bumps
@@ -43,6 +44,8 @@ class Losses:
         for item in source.reader.damage:
             LOGGER.warning("%s", item.text)
         self.damage.extend(source.reader.damage)
+        for finding in source.replay.clock_findings():
+            LOGGER.warning("%s: %s", source.name, finding)
         skipped = source.replay.skipped + source.skipped
         for reason, n_skipped in skipped.items():
             what = next((word for word in ("image", "pose") if f" {word} " in reason), "scan")
@@ -111,7 +114,7 @@ def open_sources(selection: LogSelection, settings: Settings, losses: Losses) ->
     paths = selection.paths()
     settings = selection.settings_for(settings)
     by_hand = presses_by_hand(selection, paths)
-    index, latest_start_ns = 0, None
+    index, before = 0, None
     for path in paths:
         try:
             reader = open_readable(path, selection)
@@ -124,9 +127,9 @@ def open_sources(selection: LogSelection, settings: Settings, losses: Losses) ->
         with reader:
             source = survey_source(reader, index, selection, settings, by_hand)
             _tell_of(source)
-            if latest_start_ns is not None and reader.start_ns < latest_start_ns:
-                LOGGER.warning("%s: starts before the log given before it", path.name)
-            latest_start_ns = reader.start_ns
+            if before is not None and (words := out_of_turn(reader, before)):
+                LOGGER.warning("%s: %s", path.name, words)
+            before = reader
             yield source
             losses.note(source)
         index += 1

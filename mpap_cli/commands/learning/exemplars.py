@@ -11,9 +11,9 @@ from mpap_cli.commands.inputs.log_images import frames_at
 from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.features.images.image_decode import Image, decode_frame
 from mpap_cli.observations import ObservedLog, ScanBlock
-from mpap_cli.outputs.evaluate_text import count
 from mpap_cli.outputs.recording import blocks_around, read_recording
 from mpap_cli.outputs.scan_pictures import ExemplarPicture, write_exemplars
+from mpap_cli.outputs.text_table import count
 from mpap_cli.systems.cluster_rows import ClusterRow
 
 LOGGER = logging.getLogger(__name__)

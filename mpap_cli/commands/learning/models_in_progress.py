@@ -11,7 +11,7 @@ from mpap_cli.commands.inputs.sources import Source
 from mpap_cli.commands.learning.recorder import Recorder
 from mpap_cli.features.scans.scan_features import FEW_BEAMS
 from mpap_cli.observations import Press
-from mpap_cli.outputs.evaluate_text import count
+from mpap_cli.outputs.text_table import count
 from mpap_cli.systems.appearance import AppearanceModel
 from mpap_cli.systems.collision import CollisionModel
 from mpap_cli.systems.labelling import LogSource

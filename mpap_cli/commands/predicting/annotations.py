@@ -8,7 +8,7 @@ import numpy as np
 from mpap_cli.commands.inputs.sources import Source
 from mpap_cli.commands.predicting.image_decisions import Outlook
 from mpap_cli.commands.predicting.prediction_log import IMAGE_TOPIC
-from mpap_cli.features.images.image_decode import decode_frame
+from mpap_cli.features.images.frame_decoder import FrameDecoder
 from mpap_cli.logs.writing.event_log import EventLogWriter
 from mpap_cli.observations import NS_PER_S, Batch, BoolArray, IntArray
 from mpap_cli.outputs.annotated import MOST_ON_SHEET, annotate, write_annotated_sheet
@@ -30,12 +30,14 @@ class Annotator:
     def __init__(self, settings: Settings) -> None:
         self._shape = settings.image.rows_columns()
         self._threshold = settings.obstacle.patch_threshold
+        self._decoder = FrameDecoder()
         self._images: list[tuple[Image, str]] = []
         self._name = ""
         self._start_ns = self._due_ns = self._step_ns = 0
 
     def begin_log(self, source: Source) -> None:
         """Start with the next log."""
+        self._decoder = FrameDecoder()
         self._name, self._start_ns = source.name, source.start.start_ns
         self._due_ns = source.replay.start_ns
         length_ns = source.replay.end_ns - source.replay.start_ns
@@ -43,17 +45,23 @@ class Annotator:
 
     def add(self, batch: Batch, outlook: Outlook, log: EventLogWriter | None) -> None:
         """Annotate what is wanted of a batch: for the sheet, and all of it for the log."""
-        shown = self._for_sheet(batch, outlook.block.stamps_ns)
-        for image in range(shown.size):
-            if not shown[image] and log is None:
-                continue
-            drawn = self._annotated(batch, outlook, image)
-            stamp_ns = int(outlook.block.stamps_ns[image])
+        stamps_ns = outlook.block.stamps_ns
+        shown = self._for_sheet(batch, stamps_ns)
+        wanted = np.flatnonzero(shown | (log is not None)).tolist()
+        frames = [batch.frames[int(outlook.block.kept[image])] for image in wanted]
+        sheet: dict[int, Image] = {}
+        for number, found in self._decoder.decode(frames):
+            if isinstance(found, str):
+                continue  # leading pictures of a video, which gave features in its course only
+            image = wanted[number]
+            drawn = self._annotated(found.image, outlook, image)
             if shown[image]:
-                seconds = (stamp_ns - self._start_ns) / NS_PER_S
-                self._images.append((drawn, f"{self._name}@{seconds:.1f}"))
+                sheet[image] = drawn
             if log is not None:
-                log.image(IMAGE_TOPIC, stamp_ns, _jpeg(drawn))
+                log.image(IMAGE_TOPIC, int(stamps_ns[image]), _jpeg(drawn))
+        for image, drawn in sorted(sheet.items()):
+            seconds = (int(stamps_ns[image]) - self._start_ns) / NS_PER_S
+            self._images.append((drawn, f"{self._name}@{seconds:.1f}"))
         if len(self._images) > 2 * MOST_ON_SHEET:
             self._images = self._images[::2]
 
@@ -74,12 +82,8 @@ class Annotator:
                 shown[before] = True
         return shown
 
-    def _annotated(self, batch: Batch, outlook: Outlook, image: int) -> Image:
+    def _annotated(self, pixels: Image, outlook: Outlook, image: int) -> Image:
         """Draw one image."""
-        pixels = decode_frame(batch.frames[int(outlook.block.kept[image])])
-        if pixels is None:
-            msg = "an image that gave features cannot be decoded"
-            raise RuntimeError(msg)
         return annotate(
             pixels,
             outlook.prediction.p_obstacle[image].reshape(self._shape),

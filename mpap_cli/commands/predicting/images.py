@@ -38,7 +38,7 @@ class PredictedImages:
     """How much was predicted of images, and how the decisions turned out.
 
     ``actions`` counts images by decision; ``contacts_foreseen`` of the ``contacts`` were
-    preceded by a decision to stop or turn.
+    preceded by a decision to stop or turn; ``stops`` of each log are summed up in ``stopping``.
     """
 
     n_images: int
@@ -48,6 +48,7 @@ class PredictedImages:
     actions: dict[str, int]
     contacts: int
     contacts_foreseen: int
+    stops: tuple[Stops, ...]
     stopping: StoppingSummary
     patch_threshold: float
     inputs: tuple[InputFile, ...]
@@ -121,6 +122,7 @@ def predict_images(
         actions={action: totals.actions[action] for action in ACTIONS},
         contacts=len(judged_leads),
         contacts_foreseen=sum(lead.predicted is True for lead in judged_leads),
+        stops=tuple(totals.stops),
         stopping=summarize_stops(totals.stops),
         patch_threshold=settings.obstacle.patch_threshold,
         inputs=(*inputs, *press_inputs(selection)),

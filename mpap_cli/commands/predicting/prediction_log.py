@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager, nullcontext
 import numpy as np
 
 from mpap_cli.commands.predicting.image_decisions import JudgedLog
+from mpap_cli.evaluation.alarms import BEGINS
 from mpap_cli.evaluation.timelines import Timeline
 from mpap_cli.logs.writing.event_log import EventLogWriter
 from mpap_cli.observations import BoolArray, IntArray, Press
@@ -68,6 +69,9 @@ def write_scan_predictions(writer: EventLogWriter, timeline: Timeline, log_index
     write_presses(writer, timeline.presses[log_index])
     announced = found.p_collision[rows] >= timeline.threshold
     write_runs(writer, stamps_ns, announced, "collision predicted")
+    if timeline.alarms is not None:
+        raised = timeline.alarms.levels[rows] >= BEGINS
+        write_runs(writer, stamps_ns, raised, "alarm")
 
 
 def write_decisions(writer: EventLogWriter, judged: JudgedLog) -> None:

@@ -44,6 +44,12 @@ class PredictedScans:
         return int(np.sum(self.timeline.prediction.novel))
 
     @property
+    def alarms(self) -> LeadSummary | None:
+        """How early the alarms of profile robust announced them; None under profile paper."""
+        alarms = self.timeline.alarms
+        return None if alarms is None else alarms.point.every
+
+    @property
     def leads(self) -> LeadSummary:
         """How early presses were announced."""
         return self.timeline.summary

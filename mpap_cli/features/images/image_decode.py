@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpap_cli.features.images.pixel_formats import bgr_pixels
-from mpap_cli.observations import Frame
+from mpap_cli.features.images.video_decode import VideoDecoder
+from mpap_cli.observations import VIDEO_ENCODINGS, Frame
 
 Image = NDArray[np.uint8]
 
@@ -55,7 +56,8 @@ def decode_scaled(frame: Frame, smallest: tuple[int, int] | None = None) -> Deco
     ----------
     frame : Frame
         As recorded. A compressed image is told by its first bytes; what its message says
-        of its format does not count, nor does an orientation in its header.
+        of its format does not count, nor does an orientation in its header. A packet of
+        video is decoded after those that it is linked to.
     smallest : tuple of int, optional
         Width and height: a JPEG may be decoded at 1/2, 1/4 or 1/8 of its size, which
         costs less, as long as it stays that large in both directions.
@@ -66,13 +68,23 @@ def decode_scaled(frame: Frame, smallest: tuple[int, int] | None = None) -> Deco
         None if the image is cut off, without pixels, of an encoding that is not read, or
         otherwise cannot be decoded.
 
+    Raises
+    ------
+    UsageError
+        If it is video and PyAV is missing.
+
     Notes
     -----
     A JPEG whose end is missing counts as cut off, since decoders fill the rest with gray.
-    16-bit images keep their high byte.
+    16-bit images keep their high byte. Video in its order costs less with a
+    :class:`~mpap_cli.features.images.frame_decoder.FrameDecoder`, which gives the same.
     """
+    if frame.encoding in VIDEO_ENCODINGS:
+        ((_, picture),) = VideoDecoder().decode([frame])
+        return None if isinstance(picture, str) else as_recorded(picture)
     if frame.encoding != COMPRESSED:
-        return _as_recorded(bgr_pixels(frame))
+        pixels = bgr_pixels(frame)
+        return None if pixels is None else as_recorded(pixels)
     payload = frame.payload
     if payload.startswith(_JPEG):
         size = _jpeg_size(payload)
@@ -80,12 +92,13 @@ def decode_scaled(frame: Frame, smallest: tuple[int, int] | None = None) -> Deco
             return None
         image = _decode(payload, _jpeg_scale(size, smallest or size))
         return None if image is None else Decoded(image, size)
-    return _as_recorded(_decode(payload, 1) if _is_whole(payload) else None)
+    whole = _decode(payload, 1) if _is_whole(payload) else None
+    return None if whole is None else as_recorded(whole)
 
 
-def _as_recorded(image: Image | None) -> Decoded | None:
+def as_recorded(image: Image) -> Decoded:
     """Return an image that was not scaled."""
-    return None if image is None else Decoded(image, (image.shape[1], image.shape[0]))
+    return Decoded(image, (image.shape[1], image.shape[0]))
 
 
 def _decode(payload: bytes, scale: int) -> Image | None:

@@ -8,15 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpap_cli.features.images import _kernels
-from mpap_cli.features.images.image_decode import COMPRESSED, Image, decode_frame, decode_scaled
+from mpap_cli.features.images.frame_decoder import FrameDecoder
+from mpap_cli.features.images.image_decode import Image, decode_frame
 from mpap_cli.features.images.lbp import uniform_codes
 from mpap_cli.features.images.patches import lay_out_patches
-from mpap_cli.features.images.pixel_formats import RAW_ENCODINGS
 from mpap_cli.features.images.pixels._kernels import describe_pixels
 from mpap_cli.observations import Float32Array, Frame, PatchBlock
 from mpap_cli.params import ImageParams
 
-BROKEN = "cut off or not decodable"
 BLACK = "black"
 SIZE_CHANGES = "size changes"
 ENCODING_CHANGES = "encoding changes"
@@ -42,7 +41,8 @@ class PatchEmbedder:
         Those of the grid.
     skipped : Counter
         How many images were left out, by reason: ``cut off or not decodable``, ``black``
-        (no pixel reaches 16 of 255), ``encoding NAME`` (not read).
+        (no pixel reaches 16 of 255), ``encoding NAME`` (not read), and what
+        :mod:`~mpap_cli.features.images.video_decode` says of video.
     changes : Counter
         ``size changes``, ``encoding changes``: how often an image had another size or
         encoding than the one before; such images are used.
@@ -72,6 +72,7 @@ class PatchEmbedder:
         """Begin another log: count anew, and expect no size or encoding."""
         self.skipped: Counter[str] = Counter()
         self.changes: Counter[str] = Counter()
+        self._decoder = FrameDecoder(self._smallest)
         self._last: tuple[str, tuple[int, int]] | None = None
 
     def transform(self, frames: Sequence[Frame]) -> PatchBlock:
@@ -90,13 +91,18 @@ class PatchEmbedder:
         features = np.empty((len(frames), self.n_patches, self.n_dims), np.float32)
         described = np.empty(self._size[::-1], np.uint16), np.empty(self._size[::-1], np.uint8)
         kept: list[int] = []
-        for position, frame in enumerate(frames):
-            image = self._working_image(frame)
-            if image is not None and self._describe(image, described, features[len(kept)]):
+        for position, found in self._decoder.decode(frames):
+            if isinstance(found, str):
+                self.skipped[found] += 1
+                continue
+            self._compare(frames[position].encoding, found.size)
+            image = _resized(found.image, self._size)
+            if self._describe(image, described, features[position]):
                 kept.append(position)
+        kept.sort()
         return PatchBlock(
             stamps_ns=np.array([frames[position].stamp_ns for position in kept], np.int64),
-            features=features[: len(kept)],
+            features=features if len(kept) == len(frames) else features[kept],
             kept=np.array(kept, np.int64),
         )
 
@@ -109,18 +115,6 @@ class PatchEmbedder:
             return False
         _kernels.embed_counts(counts, self.params.color_weight, features)
         return True
-
-    def _working_image(self, frame: Frame) -> Image | None:
-        """Return the working image, or count why there is none."""
-        if frame.encoding != COMPRESSED and frame.encoding not in RAW_ENCODINGS:
-            self.skipped[f"encoding {frame.encoding}"] += 1
-            return None
-        decoded = decode_scaled(frame, self._smallest)
-        if decoded is None:
-            self.skipped[BROKEN] += 1
-            return None
-        self._compare(frame.encoding, decoded.size)
-        return _resized(decoded.image, self._size)
 
     def _compare(self, encoding: str, size: tuple[int, int]) -> None:
         """Count a change of size or encoding."""

@@ -63,6 +63,16 @@ def _reduce_extremes(beams: F32, start: int, stop: int, extremes: F32) -> None:
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
+def _reduce_stretched(beams: F32, start: int, stop: int, stretch: F32, least: F32) -> None:
+    """Lower ``least`` to the least stretched range of one bin in LANES scans at once."""
+    for position in range(start, stop):
+        k = position if position < beams.shape[0] else position - beams.shape[0]
+        for s in range(LANES):
+            r = beams[k, s]
+            least[s] = min(least[s], r * stretch[k] if r >= _ZERO else _INF)
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
 def _reduce_sums(beams: F32, start: int, stop: int, sums: F64) -> None:
     """Find sum (row 0) and number (row 1) of the ranges of one bin in LANES scans at once."""
     for s in range(LANES):
@@ -131,17 +141,19 @@ def _bin_block(  # a kernel takes plain arrays
     ranges: F32,
     limits: F32,
     runs: I64,
-    n_turn: int,
+    stretch: F32,
     statistics: I64,
     held: F64,
     values: F64,
     nearest: F32,
+    front: F32,
 ) -> None:
     """Clean, bin and reduce every scan of a block in one pass, LANES scans side by side.
 
     The last of the ``runs`` is not a bin but the beams ahead.
     """
     n_scans, n_bins, cap = ranges.shape[0], runs.shape[0] - 1, limits[2]
+    n_turn = stretch.size
     wants_extremes = wants_sums = wants_steps = False
     for statistic in statistics:
         wants_extremes |= statistic in (MIN, MAX, SPAN)
@@ -149,7 +161,7 @@ def _bin_block(  # a kernel takes plain arrays
         wants_steps |= statistic in (STEP, SLOPE)
     cleaned = np.empty(ranges.shape[1], np.float32)
     beams = np.zeros((n_turn, LANES), np.float32)
-    extremes = np.empty((2, LANES), np.float32)
+    extremes, least = np.empty((2, LANES), np.float32), np.empty(LANES, np.float32)
     sums, steps = np.empty((2, LANES), np.float64), np.empty((4, LANES), np.float64)
     for first in range(0, n_scans, LANES):
         last = min(first + LANES, n_scans)
@@ -157,7 +169,9 @@ def _bin_block(  # a kernel takes plain arrays
             _clean_row(ranges[i], limits, cleaned)
             for k in range(n_turn):
                 beams[k, i - first] = cleaned[k]
+        least[:] = _INF
         for b in range(n_bins):
+            _reduce_stretched(beams, runs[b, 0], runs[b, 1], stretch, least)
             if wants_extremes:
                 _reduce_extremes(beams, runs[b, 0], runs[b, 1], extremes)
             if wants_sums:
@@ -169,6 +183,7 @@ def _bin_block(  # a kernel takes plain arrays
         _reduce_extremes(beams, runs[n_bins, 0], runs[n_bins, 1], extremes)
         for i in range(first, last):
             nearest[i] = min(extremes[0, i - first], cap)
+            front[i] = min(least[i - first], cap)
     for f in range(statistics.size):
         _fill_empty(values[f], runs, np.float64(cap) if statistics[f] <= MEAN else 0.0, held[f])
 
@@ -204,20 +219,21 @@ def clean_block(ranges: F32, limits: F32) -> F32:
 
 
 def bin_block(
-    ranges: F32, limits: F32, runs: I64, n_turn: int, statistics: I64, held: F64
-) -> tuple[F64, F32]:
-    """Return values (statistics, n, bins) and nearest ahead (n,).
+    ranges: F32, limits: F32, runs: I64, stretch: F32, statistics: I64, held: F64
+) -> tuple[F64, F32, F32]:
+    """Return values (statistics, n, bins), nearest ahead (n,) and nearest in front (n,).
 
     ``runs`` (bins + 1, 2) are runs start..stop-1 of beams, counted on over the end of the
-    turn of ``n_turn`` beams, the last of them the beams ahead. ``held`` (statistics, bins)
-    are the values of the scan before, NaN if there is none; those of the last scan are
-    written there.
+    turn, the last of them the beams ahead. Nearest in front is the least range of all bins
+    after each beam of the turn was multiplied by its ``stretch`` (n_turn,). ``held``
+    (statistics, bins) are the values of the scan before, NaN if there is none; those of
+    the last scan are written there.
     """
     n_scans, n_bins = ranges.shape[0], runs.shape[0] - 1
     values = np.empty((statistics.size, n_scans, n_bins), np.float64)
-    nearest = np.empty(n_scans, np.float32)
-    _bin_block(ranges, limits, runs, n_turn, statistics, held, values, nearest)
-    return values, nearest
+    nearest, front = np.empty(n_scans, np.float32), np.empty(n_scans, np.float32)
+    _bin_block(ranges, limits, runs, stretch, statistics, held, values, nearest, front)
+    return values, nearest, front
 
 
 def window_minimum(stamps_ns: I64, values: F64, n_before: int, window_ns: int) -> F64:

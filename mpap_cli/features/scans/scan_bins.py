@@ -39,14 +39,21 @@ class BinLayout:
     in the order of their angles, where beam k + n_turn is beam k again; the last run is
     not a bin but the beams within 90 degrees of forward. An empty run: the bin lies
     outside the field of the scanner. ``n_turn`` beams make the turn; those behind close
-    the circle and fall out. ``clockwise``: beams are counted from the last one, since the
-    scanner turns clockwise. ``usable``: no bin inside the field has fewer than two beams.
+    the circle and fall out. ``stretch`` (n_turn,) float32: a range in front counts once,
+    one straight behind ``rear_stretch`` times, in between by the cosine. ``clockwise``:
+    beams are counted from the last one, since the scanner turns clockwise. ``usable``: no
+    bin inside the field has fewer than two beams.
     """
 
     runs: IntArray
-    n_turn: int
+    stretch: Float32Array
     clockwise: bool
     usable: bool
+
+    @property
+    def n_turn(self) -> int:
+        """Number of beams that make the turn."""
+        return self.stretch.size
 
     @property
     def n_outside(self) -> int:
@@ -65,7 +72,7 @@ def lay_out_bins(geometry: ScanGeometry, forward_rad: float, params: ScanParams)
     forward_rad : float
         Direction of travel in that frame.
     params : ScanParams
-        ``bins``, ``fov`` and ``feature``.
+        ``bins``, ``fov``, ``feature`` and ``rear_stretch``.
 
     Returns
     -------
@@ -94,7 +101,8 @@ def lay_out_bins(geometry: ScanGeometry, forward_rad: float, params: ScanParams)
     clockwise = geometry.angle_increment < 0
     sound = geometry.n_beams >= _MIN_BEAMS and _FINEST <= increment <= _COARSEST
     if not sound or not abs(geometry.angle_min) <= _FARTHEST_ANGLE:
-        return BinLayout(np.zeros((params.bins + 1, 2), np.int64), 0, clockwise, usable=False)
+        nothing = np.zeros((params.bins + 1, 2), np.int64)
+        return BinLayout(nothing, np.empty(0, np.float32), clockwise, usable=False)
     tolerance = EDGE_TOLERANCE * increment
     angles = _rising_angles(geometry) - forward_rad
     n_turn = int(np.sum(angles - angles[0] < _TURN - tolerance))
@@ -110,7 +118,9 @@ def lay_out_bins(geometry: ScanGeometry, forward_rad: float, params: ScanParams)
     reaching_out = _reach_out(angles[:n_turn] - start, increment, edges)
     runs[few & reaching_out] = 0
     usable = not np.any(few & ~reaching_out) and not np.all(few)
-    return BinLayout(np.concatenate([runs, ahead]), n_turn, clockwise, usable=bool(usable))
+    behind = (1.0 - np.cos(angles[:n_turn])) / 2
+    stretch = (1.0 + (params.rear_stretch - 1.0) * behind).astype(np.float32)
+    return BinLayout(np.concatenate([runs, ahead]), stretch, clockwise, usable=bool(usable))
 
 
 def beam_bearings(geometry: ScanGeometry, forward_rad: float) -> Float32Array:

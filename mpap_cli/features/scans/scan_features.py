@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from mpap_cli.distance import embed
 from mpap_cli.features.scans import _kernels
+from mpap_cli.features.scans.histograms import embed_values, inverse
 from mpap_cli.features.scans.scan_bins import BinLayout, beam_bearings, lay_out_bins
 from mpap_cli.features.scans.scan_cleaning import RangeLimits, clean_ranges, range_limits
 from mpap_cli.features.scans.temporal import ChangeOverTime, SlidingMinimum
@@ -32,7 +32,6 @@ SCAN_FEATURES: dict[str, int] = {
 }
 
 APPROACH_CAP_M = 2.0
-APPROACH_STEP_M = 0.5
 FEW_BEAMS = "bin with fewer than 2 beams"
 
 _log = logging.getLogger(__name__)
@@ -68,10 +67,11 @@ class ScanEmbedder:
     ``keep_scale`` appends bins * cap - sum to the histogram (inverse-min:
     bins / near_floor_m - sum), so that like shapes of unlike size differ.
 
-    inverse-min has three blocks, each embedded by itself: the nearest range all round;
-    the nearest of every bin, both as 1 / max(min(r, near_cap_m), near_floor_m); and the
-    approach, the change over ``approach_s`` of the nearest range ahead (at most 2 m,
-    without the look-back), clipped to 0.5 m, as histogram (receding, approaching, still).
+    inverse-min has four blocks, each embedded by itself: the nearest range all round; the
+    nearest range where one straight behind counts ``rear_stretch`` times; the nearest of
+    every bin, all three as 1 / max(min(r, near_cap_m), near_floor_m); and the approach,
+    the change over ``approach_s`` of the nearest range ahead (at most 2 m, without the
+    look-back), clipped to 0.5 m, as histogram (receding, approaching, still).
     u = concat(sqrt(w / sum w) u_block) has length 1; a block of weight 0 is left out.
     """
 
@@ -79,7 +79,10 @@ class ScanEmbedder:
         self, params: ScanParams, forward_rad: float = 0.0, range_max: float | None = None
     ) -> None:
         self.params = params
-        self.n_dims = _points(np.ones((1, params.bins)), np.zeros(1), params, 1.0).shape[1]
+        nothing = np.zeros(1)
+        self.n_dims = embed_values(np.ones((1, params.bins)), nothing, nothing, params, 1.0).shape[
+            1
+        ]
         self.for_log(forward_rad, range_max)
 
     def for_log(self, forward_rad: float, range_max: float | None = None) -> None:
@@ -123,11 +126,11 @@ class ScanEmbedder:
             return FeatureBlock(none, features, none.copy(), np.empty(0, np.float32))
         self._tell_outside(layout)
         limits = self._limits(block)
-        values, nearest = self._embedded.push(block, layout, limits)
+        values, front, nearest = self._embedded.push(block, layout, limits)
         change = np.zeros(n_scans)
         if self.params.feature == "inverse-min":
             change = self._approach.push(block.stamps_ns, np.minimum(nearest, APPROACH_CAP_M))
-        points = _points(values, change, self.params, limits.cap)
+        points = embed_values(values, front, change, self.params, limits.cap)
         kept = np.arange(n_scans, dtype=np.int64)
         return FeatureBlock(block.stamps_ns.copy(), points, kept, nearest)
 
@@ -141,9 +144,9 @@ class ScanEmbedder:
         layout = lay_out_bins(block.geometry, self._forward_rad, self.params)
         if not layout.usable:
             return np.empty((0, self.params.bins), np.float32)
-        values, _ = self._raw.push(block, layout, self._limits(block))
+        values, _, _ = self._raw.push(block, layout, self._limits(block))
         if self.params.feature == "inverse-min":
-            values = _inverse(values, self.params)
+            values = inverse(values, self.params)
         return values.astype(np.float32)
 
     def nearest_bearing(self, block: ScanBlock) -> Float32Array:
@@ -181,60 +184,22 @@ class _BinStream:
         self._statistics = np.array([SCAN_FEATURES[params.feature]], np.int64)
         self._held = np.full((1, params.bins), np.nan)
         looks_back = params.lookback_s > 0
-        self._minimum = SlidingMinimum(params.lookback_s, params.bins) if looks_back else None
+        self._minimum = SlidingMinimum(params.lookback_s, params.bins + 1) if looks_back else None
 
     def push(
         self, block: ScanBlock, layout: BinLayout, limits: RangeLimits
-    ) -> tuple[Float64Array, Float32Array]:
-        """Return values (n, bins) and the nearest range ahead (n,)."""
+    ) -> tuple[Float64Array, Float64Array, Float32Array]:
+        """Return values (n, bins), nearest in front (n,) and, in the scan itself, ahead (n,)."""
         ranges = block.ranges[:, ::-1] if layout.clockwise else block.ranges
-        values, nearest = _kernels.bin_block(
+        values, nearest, front = _kernels.bin_block(
             np.ascontiguousarray(ranges, np.float32),
             limits.as_array(),
             layout.runs,
-            layout.n_turn,
+            layout.stretch,
             self._statistics,
             self._held,
         )
-        if self._minimum is None:
-            return values[0], nearest
-        return self._minimum.push(block.stamps_ns, values[0]), nearest
-
-
-def _points(
-    values: Float64Array, change: Float64Array, params: ScanParams, cap: float
-) -> Float32Array:
-    """Embed values (n, bins) and, for inverse-min, the change (n,) of the nearest ahead."""
-    if params.feature != "inverse-min":
-        if params.feature == "seq-diff-signed":
-            values = np.concatenate([np.maximum(values, 0.0), np.maximum(-values, 0.0)], axis=1)
-        return embed(_with_slack(values, params.bins * cap, params)).astype(np.float32)
-    near, most = _inverse(values, params), 1.0 / params.near_floor_m
-    blocks = (
-        (params.ring_weight, _with_slack(near.max(axis=1, keepdims=True), most, params)),
-        (params.sector_weight, _with_slack(near, params.bins * most, params)),
-        (params.approach_weight, _approach_histogram(change)),
-    )
-    total = sum(weight for weight, _ in blocks)
-    parts = [np.sqrt(weight / total) * embed(block) for weight, block in blocks if weight > 0]
-    return np.concatenate(parts, axis=1).astype(np.float32)
-
-
-def _inverse(values: Float64Array, params: ScanParams) -> Float64Array:
-    """Return 1 / range, for ranges brought between floor and cap."""
-    return 1.0 / np.clip(values, params.near_floor_m, params.near_cap_m)
-
-
-def _with_slack(histogram: Float64Array, most: float, params: ScanParams) -> Float64Array:
-    """Append what the sum of a histogram lacks of the most it can be, if scale is kept."""
-    if not params.keep_scale:
-        return histogram
-    slack = np.maximum(most - histogram.sum(axis=1, keepdims=True), 0.0)
-    return np.concatenate([histogram, slack], axis=1)
-
-
-def _approach_histogram(change: Float64Array) -> Float64Array:
-    """Return receding, approaching, still (n, 3) from the change of the nearest range."""
-    step = np.clip(change, -APPROACH_STEP_M, APPROACH_STEP_M)
-    parts = (np.maximum(step, 0.0), np.maximum(-step, 0.0), APPROACH_STEP_M - np.abs(step))
-    return np.stack(parts, axis=1)
+        columns = np.column_stack([values[0], front])
+        if self._minimum is not None:
+            columns = self._minimum.push(block.stamps_ns, columns)
+        return columns[:, :-1], columns[:, -1], nearest

@@ -13,7 +13,9 @@ from mpap_cli.logs.bumps.bumpers import (
     apply_choice,
     parse_bump_topic,
 )
-from mpap_cli.logs.listing import DECODED, list_topics, messages_of
+from mpap_cli.logs.foxglove import FOXGLOVE_ENCODINGS
+from mpap_cli.logs.listing import list_topics, messages_of, not_used, why_unread
+from mpap_cli.logs.protobuf import PROTOBUF, boolean_fields
 from mpap_cli.logs.raw import LogReader, PayloadError, Topic
 from mpap_cli.params import BumperParams
 
@@ -61,6 +63,9 @@ def _ask_for_bump(reader: LogReader, word: str) -> BumpRole:
     if not named:
         msg = f"{start}: no such topic; the log holds {list_topics(reader.topics)}"
         raise UsageError(msg)
+    if all(map(why_unread, named)):
+        msg = f"{start}: {why_unread(named[0])}"
+        raise UsageError(msg)
     for topic in named:
         rule = apply_choice(
             _known_rule(topic) or _boolean_rule(reader, topic), topic.msgtype, choice
@@ -104,11 +109,11 @@ def find_bumps(reader: LogReader) -> BumpsFound:
 
 def _candidate(reader: LogReader, topic: Topic) -> BumpRole | None:
     """Tell what a topic would say of bumps, if it may be taken unasked."""
-    if topic.encoding not in DECODED:
-        return None
     named = bool(_NAME.search(topic.name))
     rule = _known_rule(topic)
-    if rule is None and named and topic.encoding == "json":
+    if not (named or rule) or why_unread(topic):
+        return None
+    if rule is None and named and topic.encoding in FOXGLOVE_ENCODINGS:
         rule = _boolean_rule(reader, topic)
     if rule is None or rule.opt_in or (rule.needs_name and not named):
         return None
@@ -172,9 +177,11 @@ def _known_rule(topic: Topic) -> BumperRule | None:
 
 
 def _boolean_rule(reader: LogReader, topic: Topic) -> BumperRule | None:
-    """Make a rule from a boolean field ``pressed`` or ``data``, if there is one."""
+    """Make a rule from a boolean field ``pressed`` or ``data``; of protobuf, the only one."""
     if topic.encoding == "json":
         name = _json_field(reader, topic)
+    elif topic.encoding == PROTOBUF:
+        name = _protobuf_field(topic)
     else:
         own_text = topic.definition.split("====")[0]
         match = _BOOLEAN_IN_TEXT.search(own_text)
@@ -200,12 +207,22 @@ def _json_field(reader: LogReader, topic: Topic) -> str | None:
     return next((n for n in _BOOLEAN_FIELDS if isinstance(values.get(n), bool)), None)
 
 
+def _protobuf_field(topic: Topic) -> str | None:
+    """Look for the field in the schema."""
+    names = boolean_fields(topic.definition, topic.msgtype)
+    only = names[0] if len(names) == 1 else None
+    return next((name for name in _BOOLEAN_FIELDS if name in names), only)
+
+
 def _notes(topics: tuple[Topic, ...], used: set[str]) -> tuple[str, ...]:
     """Name topics that look like bumpers and are not taken."""
     notes = []
     for topic in topics:
         rule = _known_rule(topic)
         if topic.name in used or not (_NAME.search(topic.name) or (rule and rule.opt_in)):
+            continue
+        if reason := why_unread(topic):
+            notes.append(not_used(topic, reason))
             continue
         asked = topic.name if rule else f"{topic.name}:EXPR"
         notes.append(

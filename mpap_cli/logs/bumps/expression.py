@@ -16,7 +16,7 @@ comparison holds if the value is not zero, not empty and not false.
 
 import operator
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from numbers import Integral, Real
 from typing import Any
@@ -74,7 +74,7 @@ def field_values(message: object, path: str) -> Iterator[Any]:
     Parameters
     ----------
     message : object
-        A decoded message, or the dict of a JSON message.
+        A decoded message, or the mapping of one in JSON or protobuf.
     path : str
         Names joined by dots; ``[]`` after a name may mark a list.
 
@@ -110,7 +110,7 @@ def _leaves(value: Any) -> Iterator[Any]:
 
 def _field(value: Any, name: str, path: str) -> Any:
     """Read one field; the error lists the fields that there are."""
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         known = [str(key) for key in value]
     elif is_dataclass(value):
         known = [item.name for item in fields(value)]
@@ -120,7 +120,7 @@ def _field(value: Any, name: str, path: str) -> Any:
         there = f"the fields are {', '.join(known)}" if known else "there are no fields there"
         msg = f"the message has no field {name} (asked for {path}); {there}"
         raise UsageError(msg)
-    return value[name] if isinstance(value, dict) else getattr(value, name)
+    return value[name] if isinstance(value, Mapping) else getattr(value, name)
 
 
 def parse_expression(text: str) -> Callable[[object], bool]:

@@ -1,7 +1,4 @@
-"""Compiled loops over the bytes of a log: walking its records, comparing and gathering them.
-
-Lengths are read from the file and believed only within the bytes at hand.
-"""
+"""Compiled loops over the bytes of a log; lengths are believed only within the bytes at hand."""
 
 from collections.abc import Callable
 
@@ -15,8 +12,9 @@ U8 = NDArray[np.uint8]
 I64 = IntArray
 Int = int | np.int64
 Header = tuple[np.int64, np.int64, np.int64]
+Walked = tuple[int, np.int64, np.int64]
 
-MCAP_MESSAGE = 5
+MCAP_SCHEMA, MCAP_MESSAGE = 3, 5
 BAG_MESSAGE = 2
 LATEST_NS = np.iinfo(np.int64).max
 
@@ -57,30 +55,33 @@ def _place_in(wanted: I64, number: np.int64) -> int:
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def _walk_mcap(records: U8, wanted: I64, found: I64) -> tuple[int, bool]:
+def _walk_mcap(records: U8, wanted: I64, start: Int, found: I64) -> Walked:
     """Write which, stamp, start and size of each wanted message; those without room count."""
-    position, end, n_found = np.int64(0), records.size, 0
+    last = position = np.int64(start)
+    end, n_found = records.size, 0
     while position + _RECORD <= end:
         begin = position + _RECORD
-        size = _number(records, position + 1, 8)
-        if size > np.uint64(end - begin):
-            return n_found, False
+        size, kind = _number(records, position + 1, 8), np.int64(records[position])
+        if size > np.uint64(end - begin) or not MCAP_SCHEMA <= kind <= MCAP_MESSAGE:
+            return n_found, position, last
         stop = begin + np.int64(size)
-        if records[position] == MCAP_MESSAGE:
+        which, stamp = -1 - kind, np.uint64(position)
+        if kind == MCAP_MESSAGE:
             if stop - begin < _MCAP_HEAD:
-                return n_found, False
-            which = _place_in(wanted, np.int64(_number(records, begin, 2)))
-            if which >= 0:
-                if n_found < found.shape[1]:
-                    stamp = _number(records, begin + 6, 8)
-                    late = stamp > np.uint64(LATEST_NS)
-                    found[0, n_found] = which
-                    found[1, n_found] = LATEST_NS if late else np.int64(stamp)
-                    found[2, n_found] = begin + _MCAP_HEAD
-                    found[3, n_found] = stop - begin - _MCAP_HEAD
-                n_found += 1
-        position = stop
-    return n_found, position == end
+                return n_found, position, last
+            channel, stamp = np.int64(_number(records, begin, 2)), _number(records, begin + 6, 8)
+            which = np.int64(_place_in(wanted, channel)) if wanted.size else channel
+            begin += _MCAP_HEAD
+        if which >= 0 or wanted.size == 0:
+            if n_found < found.shape[1]:
+                found[0, n_found] = which
+                late = stamp > np.uint64(LATEST_NS)
+                found[1, n_found] = LATEST_NS if late else np.int64(stamp)
+                found[2, n_found] = begin
+                found[3, n_found] = stop - begin
+            n_found += 1
+        last, position = position, stop
+    return n_found, position, last
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
@@ -115,36 +116,36 @@ def _read_bag_header(records: U8, begin: np.int64, end: np.int64) -> Header:
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def _walk_bag(records: U8, wanted: I64, found: I64) -> tuple[int, bool]:
+def _walk_bag(records: U8, wanted: I64, start: Int, found: I64) -> Walked:
     """Write which, stamp, start and size of each wanted message; those without room count."""
-    position, end, n_found = np.int64(0), records.size, 0
+    last = position = np.int64(start)
+    end, n_found = records.size, 0
     while position < end:
-        if position + _U32 > end:
-            return n_found, False
         header = position + _U32
+        if header > end:
+            return n_found, position, last
         after = header + _u32(records, position)
-        if after + _U32 > end:
-            return n_found, False
         begin = after + _U32
+        if begin > end:
+            return n_found, position, last
         stop = begin + _u32(records, after)
         opcode, connection, stamp = _read_bag_header(records, header, after)
         if stop > end or opcode < 0:
-            return n_found, False
+            return n_found, position, last
+        which = -1 - opcode
         if opcode == BAG_MESSAGE:
-            if connection < 0:
-                return n_found, False
-            which = _place_in(wanted, connection)
-            if which >= 0:
-                if stamp < 0:
-                    return n_found, False
-                if n_found < found.shape[1]:
-                    found[0, n_found] = which
-                    found[1, n_found] = stamp
-                    found[2, n_found] = begin
-                    found[3, n_found] = stop - begin
-                n_found += 1
-        position = stop
-    return n_found, True
+            which = np.int64(_place_in(wanted, connection)) if wanted.size else connection
+            if connection < 0 or (which >= 0 and stamp < 0):
+                return n_found, position, last
+        if which >= 0 or wanted.size == 0:
+            if n_found < found.shape[1]:
+                found[0, n_found] = which
+                found[1, n_found] = stamp if opcode == BAG_MESSAGE else position
+                found[2, n_found] = begin
+                found[3, n_found] = stop - begin
+            n_found += 1
+        last, position = position, stop
+    return n_found, position, last
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
@@ -184,39 +185,39 @@ def _find_alike(records: U8, starts: I64, first: int, mask: U8, alike: BoolArray
             alike[i] = difference == 0
 
 
-def walk_mcap(records: bytes, wanted: I64) -> tuple[I64, bool]:
+def walk_mcap(records: bytes, wanted: I64, start: int = 0) -> tuple[I64, int, int]:
     """Find the messages of some channels among the records of an MCAP chunk.
 
-    Returns
-    -------
-    ndarray of shape (4, n)
-        Place of the channel in ``wanted``, log time, start and size of the payload. A stamp
-        that int64 cannot hold becomes the latest that it can.
-    bool
-        Whether the records are whole; those behind a broken one are not found.
+    Walks from ``start``, where a record begins. Returns
+
+    - (4, n): place of the channel in ``wanted``, log time, start and size of the payload.
+      A stamp that int64 cannot hold becomes the latest that it can. Where no channel is
+      wanted: the channel itself; of other records -1 - kind, and where they begin for a stamp;
+    - where walking stopped: at the end, or where a broken record begins;
+    - where the last whole record begins.
     """
-    return _walk(_walk_mcap, records, wanted)
+    return _walk(_walk_mcap, records, wanted, start)
 
 
-def walk_bag(records: bytes, wanted: I64) -> tuple[I64, bool]:
+def walk_bag(records: bytes, wanted: I64, start: int = 0) -> tuple[I64, int, int]:
     """Find the messages of some connections among the records of a bag's chunk.
 
-    Returns what `walk_mcap` does, of connections.
+    Parameters and results are those of `walk_mcap`, of connections.
     """
-    return _walk(_walk_bag, records, wanted)
+    return _walk(_walk_bag, records, wanted, start)
 
 
 def _walk(
-    kernel: Callable[[U8, I64, I64], tuple[int, bool]], records: bytes, wanted: I64
-) -> tuple[I64, bool]:
+    kernel: Callable[[U8, I64, Int, I64], Walked], records: bytes, wanted: I64, start: int
+) -> tuple[I64, int, int]:
     """Run a kernel, once more if there are more messages than expected."""
     found = np.empty((4, _EXPECTED), np.int64)
     content = np.frombuffer(records, np.uint8)
-    n_found, whole = kernel(content, wanted, found)
+    n_found, stop, last = kernel(content, wanted, start, found)
     if n_found > found.shape[1]:
         found = np.empty((4, n_found), np.int64)
-        kernel(content, wanted, found)
-    return found[:, :n_found], whole
+        kernel(content, wanted, start, found)
+    return found[:, :n_found], int(stop), int(last)
 
 
 def gather(records: bytes, places: I64, n_bytes: int) -> U8:

@@ -4,12 +4,15 @@ They are walked here, not with rosbags: its reader makes an object for every mes
 bag at opening, takes three times as long per message, and reads no bag without an index.
 """
 
+import re
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from contextlib import suppress
 from typing import BinaryIO
 
 from mpap_cli.logs.files.chunks import BrokenRecordError, Span, read_up_to, seek_to
-from mpap_cli.logs.files.compression import decompress
+from mpap_cli.logs.files.compression import DECOMPRESSORS, decompress
+from mpap_cli.logs.files.resync import walk_on
 from mpap_cli.logs.raw import Topic, ros2_name
 from mpap_cli.observations import NS_PER_S, IntArray
 
@@ -18,6 +21,9 @@ FIRST_RECORD = len(b"#ROSBAG V2.0\n")
 MESSAGE, BAG_HEADER, INDEX_DATA, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
 
 Fields = Mapping[bytes, bytes]
+
+RECORD_START = re.compile(rb"(?=[\x08-\xff]\0\0\0[\x04-\x40]\0\0\0[a-z])")
+"""Size of a header, size of its first field, and the first letter of that."""
 
 _MAX_HEADER_BYTES = 1 << 24
 _U32 = struct.Struct("<I")
@@ -139,14 +145,6 @@ def record_at(records: bytes, position: int) -> tuple[dict[bytes, bytes], int, i
     return parse_fields(header), begin + 4, end
 
 
-def records_in(records: bytes) -> Iterator[tuple[dict[bytes, bytes], int, int]]:
-    """Yield every record as :func:`record_at` does; ends with an error at a broken one."""
-    end = 0
-    while end < len(records):
-        fields, begin, end = record_at(records, end)
-        yield fields, begin, end
-
-
 class BagFormat:
     """How a bag stores records."""
 
@@ -166,7 +164,28 @@ class BagFormat:
         return b"" if problem and len(packed) == packed_size else records, problem
 
     def walk(self, records: bytes, wanted: IntArray) -> tuple[IntArray, bool]:
-        """Find messages of the wanted channels in unpacked records; tell whether all is whole."""
+        """Find messages in unpacked records, as `ChunkFormat.walk` says."""
         from mpap_cli.logs.files import _kernels  # noqa: PLC0415  # numba is slow to import
 
-        return _kernels.walk_bag(records, wanted)
+        return walk_on(_kernels.walk_bag, RECORD_START, _goes_on, records, wanted)
+
+
+def _goes_on(records: bytes, place: int) -> bool:
+    """Tell whether messages and connections begin at a place in unpacked records."""
+    try:
+        fields, _, _ = record_at(records, place)
+        opcode, _ = opcode_of(fields), read_u32(fields.get(b"conn", b""))
+        if opcode == MESSAGE:
+            read_time(fields.get(b"time", b""))
+    except BrokenRecordError:
+        return False
+    return opcode in {MESSAGE, CONNECTION}
+
+
+def is_chunk(fields: Fields, packed_size: int) -> bool:
+    """Tell whether the sizes of a chunk fit one another; of a packed one any may."""
+    compression, size = fields.get(b"compression", b"").decode(errors="replace"), 0
+    with suppress(BrokenRecordError):
+        size = read_u32(fields.get(b"size", b""))
+    plain = compression == "none"
+    return compression in DECOMPRESSORS and (size == packed_size if plain else size > 0)

@@ -81,7 +81,8 @@ class ChunkFormat(Protocol):
         """Find messages of the wanted channels in unpacked records; tell whether all is whole.
 
         The array (4, n) says where in ``wanted`` the channel is, and stamp, start and size
-        of the payload.
+        of the payload. Without wanted channels it says the channel, and of records that are no
+        messages -1 - kind and where they begin. What follows a broken record is found too.
         """
         ...
 
@@ -208,6 +209,10 @@ class ChunkedFile:
         if not fits.all():
             problem = problem or "a stamp in it is not what the index says"
             found = found[:, fits]
+        if span.n_messages is not None:
+            n_messages = sum(span.n_messages.get(number, 0) for number in wanted.tolist())
+            if found.shape[1] != n_messages:
+                problem = problem or "it does not hold the messages that the index says"
         if problem and not span.cut:
             self._note_broken(span.offset, problem)
         return records, found

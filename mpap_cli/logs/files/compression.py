@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 MAX_CHUNK_BYTES = 1 << 30
 """A chunk that declares more is taken for broken, before any memory is asked for."""
 
+_TOO_LARGE = "it is larger than declared"
+
 
 def decompress(compression: str, packed: bytes, size: int) -> tuple[bytes, str]:
     """Unpack a chunk; never more than ``size`` bytes, and as many as come out of a cut one.
@@ -37,7 +39,7 @@ def decompress(compression: str, packed: bytes, size: int) -> tuple[bytes, str]:
         return b"", f"its compression {compression!r} is unknown"
     try:
         unpacked = DECOMPRESSORS[compression](packed, size)
-    except (OSError, RuntimeError, ValueError, EOFError):
+    except (OSError, RuntimeError, ValueError, EOFError, MemoryError):
         return b"", f"{compression} cannot unpack it"
     return unpacked, "" if len(unpacked) == size else "it is cut off"
 
@@ -47,7 +49,8 @@ def _plain(packed: bytes, size: int) -> bytes:
 
 
 def _bz2(packed: bytes, size: int) -> bytes:
-    return bz2.BZ2Decompressor().decompress(packed, max_length=size)
+    unpack = bz2.BZ2Decompressor()
+    return _checked(unpack.decompress, packed, size)
 
 
 def _lz4(packed: bytes, size: int) -> bytes:
@@ -55,7 +58,18 @@ def _lz4(packed: bytes, size: int) -> bytes:
         LZ4FrameDecompressor,
     )
 
-    return bytes(LZ4FrameDecompressor().decompress(packed, max_length=size))
+    return _checked(LZ4FrameDecompressor().decompress, packed, size)
+
+
+def _checked(unpack: Callable[[bytes, int], bytes], packed: bytes, size: int) -> bytes:
+    """Unpack a chunk and go on to the checksum behind it, which fails as broken bytes do."""
+    unpacked, more = bytes(unpack(packed, size)), b""
+    if len(unpacked) == size:
+        with suppress(EOFError):  # the end was reached
+            more = unpack(b"", 1)
+    if more:
+        raise ValueError(_TOO_LARGE)
+    return unpacked
 
 
 def _zstd(packed: bytes, size: int) -> bytes:
@@ -67,9 +81,13 @@ def _zstd(packed: bytes, size: int) -> bytes:
         if zstandard.frame_content_size(packed) == size:
             with suppress(zstandard.ZstdError):
                 return unpack.decompress(packed)
-        return unpack.stream_reader(packed).read(size)
+        reader = unpack.stream_reader(packed)
+        unpacked = reader.read(size)
+        if reader.read(1):  # goes on to the checksum behind it
+            raise ValueError(_TOO_LARGE)
     except zstandard.ZstdError as err:
         raise ValueError(*err.args) from err
+    return unpacked
 
 
 @lru_cache(maxsize=8)

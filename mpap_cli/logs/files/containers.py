@@ -5,10 +5,11 @@ from pathlib import Path
 
 from mpap_cli.errors import LogError
 from mpap_cli.logs.files import bag_records, mcap_records
+from mpap_cli.logs.files.compression import MAX_CHUNK_BYTES
 from mpap_cli.logs.files.mcap import open_mcap
 from mpap_cli.logs.files.ros1 import open_bag
 from mpap_cli.logs.files.sqlite import open_sqlite
-from mpap_cli.logs.raw import LogFile, Reading
+from mpap_cli.logs.raw import Damage, LogFile, Reading
 
 LFS_MAGIC = b"version https://git-lfs"
 MAGICS: dict[str, bytes] = {
@@ -25,7 +26,8 @@ READERS: dict[str, Callable[[Path, Reading], LogFile]] = {
 }
 """How to open one file, by container."""
 
-_COPY_BYTES = 1 << 20
+_PIECE_BYTES = 4096  # packed; so small that little comes out at once, whatever it is
+_MOST_UNPACKED = 1000  # times the packed size
 
 
 def container_of(path: Path) -> str:
@@ -82,22 +84,56 @@ def open_file(path: Path, reading: Reading) -> tuple[str, LogFile]:
 
 def _unpack(path: Path, reading: Reading) -> Path:
     """Unpack a file into the private folder; of a broken one, what comes out."""
-    import zstandard  # noqa: PLC0415  # few logs need it
-
     unpacked = reading.scratch() / (path.stem if path.suffix == ".zstd" else path.name)
     try:
-        with path.open("rb") as source, unpacked.open("wb") as target:
-            reader = zstandard.ZstdDecompressor().stream_reader(source, read_across_frames=True)
-            try:
-                while block := reader.read(_COPY_BYTES):
-                    target.write(block)
-            except zstandard.ZstdError as err:
-                if not target.tell():
-                    msg = f"{path.name}: zstd cannot unpack it ({err})"
-                    raise LogError(msg) from err
+        n_bytes, last, problem = _unpack_to(unpacked, path, None)
+        if problem:
+            # what comes before a broken place in the same piece is lost with it
+            n_bytes, _, problem = _unpack_to(unpacked, path, last)
     except OSError as err:
         msg = f"{path.name}: cannot unpack it ({err.strerror}); name a folder with room in TMPDIR"
         raise LogError(msg) from err
-    megabytes = unpacked.stat().st_size / 1e6
-    reading.warn(f"{path.name}: unpacked to a temporary folder ({megabytes:.1f} MB)")
+    if problem and not n_bytes:
+        msg = f"{path.name}: zstd cannot unpack it ({problem})"
+        raise LogError(msg)
+    reading.warn(f"{path.name}: unpacked to a temporary folder ({n_bytes / 1e6:.1f} MB)")
+    if problem:
+        text = f"{path.name}: broken off after {n_bytes:,} unpacked bytes ({problem})"
+        reading.add_damage(Damage(path.name, "packed", n_bytes, text))
     return unpacked
+
+
+def _unpack_to(unpacked: Path, path: Path, broken: int | None) -> tuple[int, int, str]:
+    """Unpack piece by piece, the one that is known to be broken byte by byte.
+
+    Returns
+    -------
+    int
+        Bytes that came out.
+    int
+        Which piece was the last.
+    str
+        What is wrong with it; empty if nothing is.
+    """
+    import zstandard  # noqa: PLC0415  # few logs need it
+
+    n_bytes = number = 0
+    most = max(MAX_CHUNK_BYTES, _MOST_UNPACKED * path.stat().st_size)
+    unpack = None
+    with path.open("rb") as source, unpacked.open("wb") as target:
+        try:
+            for number, piece in enumerate(iter(lambda: source.read(_PIECE_BYTES), b"")):
+                step = 1 if number == broken else _PIECE_BYTES
+                parts = [piece[begin : begin + step] for begin in range(0, len(piece), step)]
+                while parts:
+                    unpack = unpack or zstandard.ZstdDecompressor().decompressobj()
+                    n_bytes += target.write(unpack.decompress(parts.pop(0)))
+                    if unpack.eof:  # another frame may follow
+                        parts[:0] = [unpack.unused_data] if unpack.unused_data else []
+                        unpack = None
+                if n_bytes > most:
+                    msg = f"{path.name}: unpacks to over {most:,} bytes, which no log does"
+                    raise LogError(msg)
+        except (zstandard.ZstdError, MemoryError) as err:
+            return n_bytes, number, str(err) or "out of memory"
+    return n_bytes, number, "" if unpack is None else "its end is missing"

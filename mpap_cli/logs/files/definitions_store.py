@@ -5,7 +5,7 @@ that come with mpap, else from the standard types of the ROS distribution.
 """
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +18,14 @@ from mpap_cli.logs.files.definition_texts import (
     type_names,
     type_of,
 )
+from mpap_cli.logs.protobuf import (
+    NO_SCHEMA,
+    PROTOBUF,
+    PROTOBUF_EXTRA,
+    has_schema,
+    protobuf_is_read,
+    read_protobuf,
+)
 from mpap_cli.logs.raw import PayloadError, RawMessage, Topic
 
 if TYPE_CHECKING:
@@ -26,7 +34,7 @@ if TYPE_CHECKING:
 
 Decode = Callable[[bytes], object]
 
-
+_ROS_ENCODINGS = frozenset({"ros1", "cdr"})
 _MOST_STORES = 256
 _STORES: "dict[tuple[object, ...], Typestore]" = {}
 
@@ -65,12 +73,13 @@ class DefinitionsStore:
         Parameters
         ----------
         message : RawMessage
-            Of encoding ``ros1``, ``cdr`` or ``json``.
+            Of encoding ``ros1``, ``cdr``, ``json`` or ``protobuf``.
 
         Returns
         -------
         object
-            With the fields as attributes; for JSON what the text says, mostly a dict.
+            With the fields as attributes; for JSON what the text says, mostly a dict; for
+            protobuf a mapping.
 
         Raises
         ------
@@ -92,17 +101,51 @@ class DefinitionsStore:
             )
             raise PayloadError(msg) from err
 
+    def undefined_types(self, topics: Iterable[Topic]) -> tuple[str, ...]:
+        """Return the types of ROS messages that are nowhere defined, sorted.
+
+        Whether a definition can be understood is seen when it is needed.
+        """
+        bare = {
+            (topic.msgtype, topic.encoding)
+            for topic in topics
+            if topic.n_messages and topic.encoding in _ROS_ENCODINGS and not topic.definition
+        }
+        defined = {type_of(path) for path in self._files() if path.suffix == ".msg"}
+        named = {path.stem for path in self._files() if path.suffix == ".idl"}
+        missing = {
+            msgtype
+            for msgtype, encoding in bare
+            if msgtype not in defined
+            and msgtype.rpartition("/")[2] not in named
+            and not built_in(msgtype)
+            and msgtype not in standard_types(encoding, self._ros_distro)
+        }
+        return tuple(sorted(missing))
+
     def _make_decoder(self, topic: Topic) -> Decode:
         """Return the function that decodes payloads of a topic."""
         if topic.encoding == "json":
             return json.loads
-        if topic.encoding not in {"ros1", "cdr"}:
+        if topic.encoding == PROTOBUF:
+            return self._protobuf_decoder(topic)
+        if topic.encoding not in _ROS_ENCODINGS:
             msg = (
                 f"{self._log}: topic {topic.name} is encoded as {topic.encoding or '(nothing)'}; "
-                f"only ros1, cdr and json are read"
+                f"only ros1, cdr, json and protobuf are read"
             )
             raise LogError(msg)
         return _ros_decoder(self._make_store(topic), topic)
+
+    def _protobuf_decoder(self, topic: Topic) -> Decode:
+        """Return the function that decodes payloads of a topic in protobuf."""
+        if not protobuf_is_read():
+            msg = f"{self._log}: topic {topic.name} is encoded as protobuf; {PROTOBUF_EXTRA}"
+            raise LogError(msg)
+        if not has_schema(topic.definition, topic.msgtype):
+            msg = f"{self._log}: topic {topic.name} ({topic.msgtype}): {NO_SCHEMA}"
+            raise LogError(msg)
+        return lambda payload: read_protobuf(payload, topic.definition, topic.msgtype)
 
     def _make_store(self, topic: Topic) -> "Typestore":
         """Return a store that holds a type and the types of its fields."""

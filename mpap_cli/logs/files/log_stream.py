@@ -4,20 +4,21 @@ import heapq
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from itertools import chain
+from functools import partial
+from itertools import chain, islice
 from operator import attrgetter
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from mpap_cli.errors import LogError
-from mpap_cli.logs.files.compression import MAX_CHUNK_BYTES
 from mpap_cli.logs.files.definitions_store import DefinitionsStore
 from mpap_cli.logs.files.ros2 import Folder
 from mpap_cli.logs.files.runs import END_NS, group_messages, merge_groups, messages_in
 from mpap_cli.logs.raw import Damage, LogFile, RawMessage, Reading, RunGroup, Topic
 
 _CDR = b"\x00"
+_PIECE_BYTES, _MOST_PIECES = 1 << 18, 1 << 10  # larger than 256 MiB is no message
 
 
 class LogStream:
@@ -58,7 +59,7 @@ class LogStream:
         self._reading.close()
 
     def decode(self, message: RawMessage) -> object:
-        """Return the fields of a message: an object with attributes, or a dict for JSON.
+        """Return the fields of a message as attributes; of JSON and protobuf a mapping.
 
         Raises
         ------
@@ -68,6 +69,10 @@ class LogStream:
             If its type has no definition, or its encoding is not read.
         """
         return self._definitions.decode(message)
+
+    def undefined_types(self) -> tuple[str, ...]:
+        """Return the types of messages for which no definition is at hand, sorted."""
+        return self._definitions.undefined_types(self.topics)
 
     def messages(
         self,
@@ -203,13 +208,17 @@ class LogStream:
                 yield message
                 continue
             try:
-                payload = unpack(message.payload).read(MAX_CHUNK_BYTES)
+                pieces = iter(partial(unpack(message.payload).read, _PIECE_BYTES), b"")
+                payload = b"".join(islice(pieces, _MOST_PIECES))
+                is_whole = not next(pieces, b"")
             except ZstdError:
+                is_whole = False
+            if not is_whole:
                 lost += 1
                 text = f"{file.path.name}: {lost:,} messages left out, zstd cannot unpack them"
                 self._reading.add_damage(Damage(file.path.name, "message", lost, text))
-            else:
-                yield RawMessage(message.topic, message.stamp_ns, payload)
+                continue
+            yield RawMessage(message.topic, message.stamp_ns, payload)
 
 
 def _is_packed(topic: Topic, payload: bytes) -> bool:

@@ -2,6 +2,7 @@
 
 import struct
 import zlib
+from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
@@ -25,8 +26,8 @@ from mpap_cli.logs.files.mcap_records import (
     records_in,
 )
 from mpap_cli.logs.files.runs import MAX_STAMP_NS
-from mpap_cli.logs.files.salvage import scan_mcap
-from mpap_cli.logs.raw import Damage, Reading
+from mpap_cli.logs.files.salvage_formats import scan_mcap
+from mpap_cli.logs.raw import Damage, Reading, Topic
 
 _FOOTER = struct.Struct("<BQQQI8s")
 _FOOTER_LENGTH = 20
@@ -42,6 +43,15 @@ _MESSAGE_INDEX_ENTRY_BYTES = 16
 class _Statistics(NamedTuple):
     n_messages: int
     by_channel: dict[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class _Summary:
+    """What a summary says; ``index`` is None where it does not say where each message is."""
+
+    channels: dict[int, Topic]
+    n_messages: int | None
+    index: Index | None
 
 
 def open_mcap(path: Path, reading: Reading) -> ChunkedFile:
@@ -65,29 +75,33 @@ def open_mcap(path: Path, reading: Reading) -> ChunkedFile:
         If the file is damaged and read strictly.
     """
     with path.open("rb") as stream:
-        problem = ""
+        problem, told = "", _Summary({}, None, None)
         try:
-            index = _read_summary(stream)
+            told = _read_summary(stream)
         except BrokenRecordError as err:
-            index, problem = None, str(err)
+            problem = str(err)
+        index = told.index
         if index is None:
             scanned = scan_mcap(stream)
-            index = scanned.found
+            # a checksum protects the summary, but not always what stands before it
+            known = {**scanned.found.channels, **told.channels}
+            index = make_index(known, scanned.found.spans, broken=scanned.found.broken)
             found = sum(topic.n_messages for topic in index.channels.values())
+            lost = (told.n_messages or 0) - found
             if not scanned.whole:
-                text = (
-                    f"{path.name}: the file is cut off or broken at byte {scanned.stop:,}; "
-                    f"the {found:,} whole messages before are used"
-                )
+                text = f"{path.name}: the file {scanned.problem}"
                 reading.add_damage(Damage(path.name, "truncated", found, text))
             elif problem:
                 text = f"{path.name}: {problem}; all {found:,} messages found are used"
                 reading.add_damage(Damage(path.name, "index", found, text))
+            elif lost > 0:
+                text = f"{path.name}: {lost:,} messages left out, they cannot be found"
+                reading.add_damage(Damage(path.name, "message", lost, text))
     return ChunkedFile(path, McapFormat(), index, reading)
 
 
-def _read_summary(stream: BinaryIO) -> Index | None:
-    """Return the index that the file's summary gives; None if it does not give all of it."""
+def _read_summary(stream: BinaryIO) -> _Summary:
+    """Read what the file's summary says; without an index if it does not give all of it."""
     summary = _summary_bytes(stream)
     schemas, channels, spans = {}, {}, []
     statistics = None
@@ -103,12 +117,14 @@ def _read_summary(stream: BinaryIO) -> Index | None:
             spans.append(_parse_chunk_index(content))
         elif opcode == Opcode.STATISTICS:
             statistics = _parse_statistics(content)
+    topics = describe_channels(channels, schemas)
     if statistics is None or not statistics.by_channel.keys() <= channels.keys():
-        return None
+        return _Summary(topics, statistics and statistics.n_messages, None)
     # Messages may stand outside chunks, and chunks need not have message indexes.
     if sum(sum((span.n_messages or {}).values()) for span in spans) != statistics.n_messages:
-        return None
-    return make_index(describe_channels(channels, schemas), spans, statistics.by_channel)
+        return _Summary(topics, statistics.n_messages, None)
+    index = make_index(topics, spans, statistics.by_channel)
+    return _Summary(topics, statistics.n_messages, index)
 
 
 def _summary_bytes(stream: BinaryIO) -> bytes:
@@ -150,7 +166,7 @@ def _parse_chunk_index(content: bytes) -> Span:
         msg = "its list of chunks is broken"
         raise BrokenRecordError(msg) from err
     places.sort()
-    ends = [place for place, _ in places[1:]] + [offset + length + index_bytes]
+    ends = [*(place for place, _ in places), offset + length + index_bytes][1:]
     counts = {}
     for (place, channel), stop in zip(places, ends, strict=True):
         n_messages, rest = divmod(stop - place - _MESSAGE_INDEX_BYTES, _MESSAGE_INDEX_ENTRY_BYTES)

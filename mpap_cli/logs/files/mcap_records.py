@@ -1,5 +1,6 @@
 """Records of MCAP files, out of the file and out of chunks."""
 
+import re
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
@@ -13,17 +14,28 @@ from mcap.records import Channel, Schema
 
 from mpap_cli.logs.files.chunks import BrokenRecordError, Span, read_up_to, seek_to
 from mpap_cli.logs.files.compression import decompress
+from mpap_cli.logs.files.resync import CHAIN, walk_on
+from mpap_cli.logs.files.runs import MAX_STAMP_NS
+from mpap_cli.logs.protobuf import PROTOBUF, schema_text
 from mpap_cli.logs.raw import Topic, ros2_name
-from mpap_cli.observations import IntArray
+from mpap_cli.observations import NS_PER_S, IntArray
 
 Record = TypeVar("Record", Schema, Channel)
 
 MAGIC = b"\x89MCAP0\r\n"
 RECORD = struct.Struct("<BQ")
+RECORD_START = re.compile(rb"(?=[\x03-\x0f].{4}\0{4})", re.DOTALL)
+"""Kind and size of a record of less than 4 GiB."""
 
-_CHANNEL_AND_STAMP = struct.Struct("<H4xQ")
+LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
+"""What stands in chunks, or outside."""
+
+MESSAGE_HEAD_BYTES = 22
+
 _CHUNK = struct.Struct("<BQQQQII")
 _U64 = struct.Struct("<Q")
+_STAMPS = struct.Struct("<6xQQ")
+_DAY_NS = 86_400 * NS_PER_S
 _MAX_NAME_BYTES = 32
 _ROS_ENCODINGS = ("ros1", "cdr")
 _DEFINITION_FORMATS = {
@@ -32,6 +44,7 @@ _DEFINITION_FORMATS = {
     "ros2idl": "ros2idl",
     "omgidl": "ros2idl",
     "jsonschema": "jsonschema",
+    PROTOBUF: PROTOBUF,
 }
 
 
@@ -88,22 +101,6 @@ def _parse(kind: type[Record], content: bytes, problem: str) -> Record:
     return record
 
 
-def parse_message(records: bytes, begin: int) -> tuple[int, int]:
-    """Return channel and stamp of the message whose content begins there.
-
-    Raises
-    ------
-    BrokenRecordError
-        If the bytes end before.
-    """
-    try:
-        channel, stamp_ns = _CHANNEL_AND_STAMP.unpack_from(records, begin)
-    except struct.error as err:
-        msg = "a message is cut off"
-        raise BrokenRecordError(msg) from err
-    return channel, stamp_ns
-
-
 def describe_channels(
     channels: Mapping[int, Channel], schemas: Mapping[int, Schema]
 ) -> dict[int, Topic]:
@@ -114,10 +111,15 @@ def describe_channels(
         name = schema.name if schema else ""
         encoding = channel.message_encoding
         form = _DEFINITION_FORMATS.get(schema.encoding, "") if schema else ""
-        text = schema.data.decode(errors="replace") if schema and form else ""
+        text = _definition(schema, form) if schema and form else ""
         msgtype = ros2_name(name) if encoding in _ROS_ENCODINGS else name
         topics[number] = Topic(channel.topic, msgtype, encoding, 0, text, form if text else "")
     return topics
+
+
+def _definition(schema: Schema, form: str) -> str:
+    """Return a schema as text; protobuf has it in bytes."""
+    return schema_text(schema.data) if form == PROTOBUF else schema.data.decode(errors="replace")
 
 
 class McapFormat:
@@ -141,10 +143,42 @@ class McapFormat:
         return b"" if problem else records, problem
 
     def walk(self, records: bytes, wanted: IntArray) -> tuple[IntArray, bool]:
-        """Find messages of the wanted channels in unpacked records; tell whether all is whole."""
+        """Find messages in unpacked records, as `ChunkFormat.walk` says."""
         from mpap_cli.logs.files import _kernels  # noqa: PLC0415  # numba is slow to import
 
-        return _kernels.walk_mcap(records, wanted)
+        return walk_on(_kernels.walk_mcap, RECORD_START, _goes_on, records, wanted)
+
+
+def _goes_on(records: bytes, place: int) -> bool:
+    """Tell whether messages and what describes them begin at a place in unpacked records."""
+    for _ in range(CHAIN):
+        if place + RECORD.size > len(records):
+            return False
+        opcode, size = RECORD.unpack_from(records, place)
+        place += RECORD.size + size
+        if opcode not in LOOSE or place > len(records):
+            return False
+        if opcode == Opcode.MESSAGE and size < MESSAGE_HEAD_BYTES:
+            return False
+        if place == len(records) or (opcode == Opcode.MESSAGE and _agree(records, place - size)):
+            break
+    return True
+
+
+def _agree(records: bytes, begin: int) -> bool:
+    """Tell whether both stamps of a message are about the same, as hardly any other bytes are."""
+    stamps_ns: tuple[int, int] = _STAMPS.unpack_from(records, begin)
+    recorded_ns, published_ns = stamps_ns
+    return 0 < recorded_ns < MAX_STAMP_NS and abs(recorded_ns - published_ns) < _DAY_NS
+
+
+def is_chunk(stream: BinaryIO) -> bool:
+    """Tell whether the sizes of the chunk that begins here fit one another."""
+    try:
+        _read_chunk_head(stream)
+    except BrokenRecordError:
+        return False
+    return True
 
 
 def _read_chunk_head(stream: BinaryIO) -> tuple[str, int, int, int]:

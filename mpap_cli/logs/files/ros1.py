@@ -7,13 +7,17 @@ from typing import BinaryIO
 from mpap_cli.errors import LogError
 from mpap_cli.logs.files.bag_records import (
     BAG_HEADER,
+    CHUNK,
     CHUNK_INFO,
     CONNECTION,
     FIRST_RECORD,
     MAGIC,
     BagFormat,
     Fields,
+    is_chunk,
+    opcode_of,
     parse_connection,
+    read_header,
     read_record,
     read_time,
     read_u32,
@@ -26,11 +30,13 @@ from mpap_cli.logs.files.chunks import (
     make_index,
     seek_to,
 )
-from mpap_cli.logs.files.salvage import Scanned, scan_bag
+from mpap_cli.logs.files.salvage import Scanned
+from mpap_cli.logs.files.salvage_formats import scan_bag
 from mpap_cli.logs.raw import Damage, Reading
 
 _U64 = struct.Struct("<Q")
 _COUNT = struct.Struct("<II")
+_LOOKED_AT = 1000  # chunks, which takes some milliseconds
 
 
 def open_bag(path: Path, reading: Reading) -> ChunkedFile:
@@ -87,7 +93,18 @@ def _read_index(stream: BinaryIO, header: Fields) -> Index:
     records = (read_record(stream, CONNECTION) for _ in range(n_connections))
     channels = dict(parse_connection(fields, content) for fields, content in records)
     spans = [_read_chunk_info(*read_record(stream, CHUNK_INFO)) for _ in range(n_chunks)]
+    for span in spans[:_LOOKED_AT]:
+        _require_chunk(stream, span)
     return make_index(channels, spans)
+
+
+def _require_chunk(stream: BinaryIO, span: Span) -> None:
+    """Refuse an index that leads to something else than a chunk; no checksum protects it."""
+    seek_to(stream, span.offset)
+    fields, size = read_header(stream)
+    if opcode_of(fields) != CHUNK or not is_chunk(fields, size) or span.start_ns > span.end_ns:
+        msg = "the list of chunks is broken"
+        raise BrokenRecordError(msg)
 
 
 def _read_chunk_info(fields: Fields, content: bytes) -> Span:
@@ -104,12 +121,8 @@ def _read_chunk_info(fields: Fields, content: bytes) -> Span:
 
 def _describe_damage(name: str, scanned: Scanned) -> Damage:
     """Say what is wrong with a bag that was read through."""
-    found = sum(topic.n_messages for topic in scanned.found.channels.values())
+    found = scanned.n_messages
     if scanned.whole:
         text = f"{name}: the bag has no usable index; all {found:,} messages found are used"
         return Damage(name, "unindexed", found, text)
-    text = (
-        f"{name}: the bag is cut off or broken at byte {scanned.stop:,}; "
-        f"the {found:,} whole messages before are used"
-    )
-    return Damage(name, "truncated", found, text)
+    return Damage(name, "truncated", found, f"{name}: the bag {scanned.problem}")

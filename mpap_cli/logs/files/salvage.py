@@ -1,14 +1,13 @@
 """Files of chunks without an index: read through once, so that all that is whole is used."""
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import BinaryIO, NamedTuple
 
-from mcap.opcode import Opcode
-from mcap.records import Channel, Schema
+import numpy as np
 
-from mpap_cli.logs.files import bag_records, mcap_records
 from mpap_cli.logs.files.chunks import (
     BrokenRecordError,
     ChunkFormat,
@@ -17,30 +16,71 @@ from mpap_cli.logs.files.chunks import (
     file_size,
     make_index,
 )
+from mpap_cli.logs.files.resync import CHAIN, find_in_file
 from mpap_cli.logs.files.runs import MAX_STAMP_NS
 from mpap_cli.logs.raw import Topic
+from mpap_cli.observations import IntArray
 
 RUN_BYTES = 1 << 20
 """Records outside chunks are taken together up to about that size."""
+
+_EVERY = np.empty(0, np.int64)
 
 
 class Scanned(NamedTuple):
     """What was found in a file; ``whole`` tells if the file goes on as it should to its end.
 
-    ``stop`` is the byte where reading ended.
+    ``stop`` is the byte where reading ended, or the first of the broken places.
     """
 
     found: Index
     whole: bool
     stop: int
+    n_gaps: int
+
+    @property
+    def n_messages(self) -> int:
+        """Return how many messages there are."""
+        return sum(topic.n_messages for topic in self.found.channels.values())
+
+    @property
+    def problem(self) -> str:
+        """Say where the file is broken, and what is used."""
+        if self.n_gaps:
+            places = f"{self.n_gaps:,} places, first" if self.n_gaps > 1 else "one place,"
+            used = f"the {self.n_messages:,} whole messages around are used"
+            return f"is broken at {places} at byte {self.stop:,}; {used}"
+        used = f"the {self.n_messages:,} whole messages before are used"
+        return f"is cut off or broken at byte {self.stop:,}; {used}"
 
 
-class _Piece(NamedTuple):
-    """One record of a file: chunk, loose, other, or end; ``end`` may lie behind the file."""
+class Piece(NamedTuple):
+    """One record of a file: chunk, loose, other, broken, or end; ``end`` may lie behind the file.
+
+    ``sure`` tells if its size stands there twice and fits.
+    """
 
     kind: str
     offset: int
     end: int
+    sure: bool = False
+
+
+class FileFormat(NamedTuple):
+    """How a container puts its records into a file.
+
+    ``first`` is where they begin, ``start`` matches wherever one might; ``piece_at`` returns
+    the record that begins at a place, None if none does; ``describe`` takes in a record that
+    is no message, of a kind at a place in unpacked records; ``channels`` returns the topics
+    that were described.
+    """
+
+    layout: ChunkFormat
+    first: int
+    start: re.Pattern[bytes]
+    piece_at: Callable[[BinaryIO, int], Piece | None]
+    describe: Callable[[int, bytes, int], None]
+    channels: Callable[[], dict[int, Topic]]
 
 
 @dataclass(slots=True)
@@ -49,27 +89,21 @@ class _Tally:
 
     spans: list[Span] = field(default_factory=list)
     broken: dict[int, str] = field(default_factory=dict)
-    counts: Counter[int] = field(default_factory=Counter)
-    stamps: list[int] = field(default_factory=list)
+    gaps: list[int] = field(default_factory=list)
     whole: bool = False
     stop: int = 0
 
-    def count(self, channel: int, stamp_ns: int) -> None:
-        """Count one message of the span that is read."""
-        if stamp_ns <= MAX_STAMP_NS:
-            self.counts[channel] += 1
-            self.stamps.append(stamp_ns)
-
-    def finish_span(self, span: Span) -> None:
+    def keep(self, span: Span, messages: IntArray) -> None:
         """Keep the span that was read, with its counts and stamps."""
-        if self.stamps:
-            first, last = min(self.stamps), max(self.stamps)
-            made = Span(span.offset, first, last, dict(self.counts), span.loose_bytes, span.cut)
+        messages = messages[:, messages[1] <= MAX_STAMP_NS]
+        if messages.size:
+            channels, n_messages = np.unique(messages[0], return_counts=True)
+            counts = Counter(dict(zip(channels.tolist(), n_messages.tolist(), strict=True)))
+            first, last = int(messages[1].min()), int(messages[1].max())
+            made = Span(span.offset, first, last, counts, span.loose_bytes, span.cut)
             self.spans.append(made)
-        self.counts.clear()
-        self.stamps.clear()
 
-    def spans_of(self, pieces: Iterator[_Piece], file_size: int) -> Iterator[Span]:
+    def spans_of(self, pieces: Iterator[Piece], file_size: int) -> Iterator[Span]:
         """Join records outside chunks into runs; chunks stay alone."""
         begin = end = 0
         for piece in pieces:
@@ -82,114 +116,86 @@ class _Tally:
                 begin, end = (begin if begin < end else piece.offset), piece.end
             elif piece.kind == "chunk":
                 yield Span(piece.offset, 0, 0, None, cut=cut)
+            elif piece.kind == "broken":
+                self.gaps.append(piece.offset)
             self.whole = piece.kind == "end"
             self.stop = piece.offset if cut else piece.end
         if begin < end:
             yield Span(begin, 0, 0, None, end - begin)
 
 
-def _scan(
-    stream: BinaryIO,
-    layout: ChunkFormat,
-    pieces: Iterator[_Piece],
-    read_span: Callable[[bytes, _Tally], None],
-) -> _Tally:
-    """Read every piece of a file once."""
+def scan(stream: BinaryIO, form: FileFormat) -> Scanned:
+    """Read a file through and make the index that it lacks.
+
+    Parameters
+    ----------
+    stream : BinaryIO
+        The file.
+    form : FileFormat
+        Of its container.
+    """
     tally = _Tally()
-    for span in tally.spans_of(pieces, file_size(stream)):
-        records, problem = layout.load(stream, span)
-        try:
-            read_span(records, tally)
-        except BrokenRecordError as err:
-            problem = problem or str(err)
+    for span in tally.spans_of(_pieces(stream, form), file_size(stream)):
+        records, problem = form.layout.load(stream, span)
+        found, whole = form.layout.walk(records, _EVERY)
+        if not whole:
+            problem = problem or "a record in it is broken"
+        for kind, place in found[:2, found[0] < 0].T.tolist():
+            try:
+                form.describe(-1 - kind, records, place)
+            except BrokenRecordError as err:
+                problem = problem or str(err)
         if problem and not span.cut:
             tally.broken[span.offset] = problem
-        tally.finish_span(span)
-    return tally
+        tally.keep(span, found[:, found[0] >= 0])
+    index = make_index(form.channels(), tally.spans, broken=tally.broken)
+    stop = tally.gaps[0] if tally.gaps else tally.stop
+    return Scanned(index, tally.whole and not tally.gaps, stop, len(tally.gaps))
 
 
-def scan_bag(stream: BinaryIO) -> Scanned:
-    """Read a bag through and make the index that it lacks."""
-    connections: dict[int, Topic] = {}
-
-    def read_span(records: bytes, tally: _Tally) -> None:
-        for fields, begin, end in bag_records.records_in(records):
-            opcode = bag_records.opcode_of(fields)
-            if opcode == bag_records.CONNECTION:
-                number, topic = bag_records.parse_connection(fields, records[begin:end])
-                connections[number] = topic
-            elif opcode == bag_records.MESSAGE:
-                number = bag_records.read_u32(fields.get(b"conn", b""))
-                tally.count(number, bag_records.read_time(fields.get(b"time", b"")))
-
-    tally = _scan(stream, bag_records.BagFormat(), _bag_pieces(stream), read_span)
-    index = make_index(connections, tally.spans, broken=tally.broken)
-    return Scanned(index, tally.whole, tally.stop)
-
-
-def _bag_pieces(stream: BinaryIO) -> Iterator[_Piece]:
-    """Yield the records of a bag up to the first that is broken."""
-    kinds = {
-        bag_records.CHUNK: "chunk",
-        bag_records.MESSAGE: "loose",
-        bag_records.CONNECTION: "loose",
-        bag_records.INDEX_DATA: "other",
-        bag_records.CHUNK_INFO: "other",
-        bag_records.BAG_HEADER: "other",
-    }
-    offset = bag_records.FIRST_RECORD
-    while offset < file_size(stream):
-        stream.seek(offset)
-        try:
-            fields, size = bag_records.read_header(stream)
-        except BrokenRecordError:
+def _pieces(stream: BinaryIO, form: FileFormat) -> Iterator[Piece]:
+    """Yield the records of a file up to its end; what is broken between them is one piece."""
+    offset, size = form.first, file_size(stream)
+    held: Piece | None = None
+    while offset <= size and not (held and held.kind == "end"):
+        piece = form.piece_at(stream, offset)
+        if piece is not None and (piece.end <= size or piece.sure):
+            if held:
+                yield held
+            held, offset = piece, piece.end
+            continue
+        # a length that is too large swallows what follows, so the last record is suspect
+        suspect = held if held and not held.sure else None
+        begin = suspect.offset if suspect else offset
+        following = _find(stream, begin + 1, form)
+        is_wrong = suspect is not None and following is not None and following < suspect.end
+        if held and not is_wrong:
+            yield held
+            begin = offset
+        if following is None:
+            if piece is not None:
+                yield piece
             return
-        kind = kinds.get(bag_records.opcode_of(fields))
-        if kind is None:
-            return
-        end = stream.tell() + size
-        yield _Piece(kind, offset, end)
-        offset = end
-    if offset == file_size(stream):
-        yield _Piece("end", offset, offset)
+        yield Piece("broken", begin, following)
+        held, offset = None, following
+    if held:
+        yield held
 
 
-def scan_mcap(stream: BinaryIO) -> Scanned:
-    """Read the data section of an MCAP file through and make the index that it lacks."""
-    schemas: dict[int, Schema] = {}
-    channels: dict[int, Channel] = {}
+def _find(stream: BinaryIO, offset: int, form: FileFormat) -> int | None:
+    """Return where records go on behind a broken one; None if they do not."""
+    size = file_size(stream)
 
-    def read_span(records: bytes, tally: _Tally) -> None:
-        for opcode, begin, end in mcap_records.records_in(records):
-            if opcode == Opcode.SCHEMA:
-                schema = mcap_records.parse_schema(records[begin:end])
-                schemas[schema.id] = schema
-            elif opcode == Opcode.CHANNEL:
-                channel = mcap_records.parse_channel(records[begin:end])
-                channels[channel.id] = channel
-            elif opcode == Opcode.MESSAGE:
-                tally.count(*mcap_records.parse_message(records, begin))
+    def goes_on(stream: BinaryIO, place: int) -> bool:
+        for _ in range(CHAIN):
+            piece = form.piece_at(stream, place)
+            if piece is None:
+                return False
+            if piece.kind in {"chunk", "end"} or piece.end == size:
+                return True
+            if piece.end > size:
+                return False
+            place = piece.end
+        return True
 
-    pieces = _mcap_pieces(stream)
-    tally = _scan(stream, mcap_records.McapFormat(), pieces, read_span)
-    topics = mcap_records.describe_channels(channels, schemas)
-    return Scanned(make_index(topics, tally.spans, broken=tally.broken), tally.whole, tally.stop)
-
-
-def _mcap_pieces(stream: BinaryIO) -> Iterator[_Piece]:
-    """Yield the records of the data section up to its end, or to the first that is cut."""
-    loose = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
-    offset = len(mcap_records.MAGIC)
-    while offset < file_size(stream):
-        stream.seek(offset)
-        head = stream.read(mcap_records.RECORD.size)
-        if len(head) < mcap_records.RECORD.size:
-            return
-        opcode, size = mcap_records.RECORD.unpack(head)
-        if opcode in {Opcode.DATA_END, Opcode.FOOTER}:
-            yield _Piece("end", offset, offset)
-            return
-        end = offset + len(head) + size
-        kind = "chunk" if opcode == Opcode.CHUNK else "loose" if opcode in loose else "other"
-        yield _Piece(kind, offset, end)
-        offset = end
+    return find_in_file(stream, offset, form.start, goes_on)

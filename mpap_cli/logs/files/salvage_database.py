@@ -7,7 +7,12 @@ from pathlib import Path
 
 from mpap_cli.errors import LogError
 from mpap_cli.logs.files.chunks import BrokenRecordError
-from mpap_cli.logs.files.salvage_pages import read_sizes, rows_in_pages
+from mpap_cli.logs.files.salvage_pages import (
+    TopicRow,
+    read_sizes,
+    rows_in_pages,
+    topics_in_pages,
+)
 
 BROKEN_DATABASE = (sqlite3.Error, UnicodeDecodeError, OverflowError)
 """What reading a broken database may raise."""
@@ -16,9 +21,10 @@ _N_PAGES_AT = 28
 _TABLES = """
 CREATE TABLE topics(id INTEGER PRIMARY KEY, name, type, serialization_format);
 CREATE TABLE message_definitions(topic_type, encoding, encoded_message_definition);
-CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB);
+CREATE TABLE messages(id INTEGER, topic_id INTEGER, timestamp INTEGER, data BLOB);
+CREATE UNIQUE INDEX once ON messages (id, topic_id, timestamp);
 """
-_INDEX = "CREATE INDEX timestamp_idx ON messages (timestamp ASC)"
+_INDEX = "CREATE INDEX timestamp_idx ON messages (timestamp ASC, id)"
 
 
 def connect(path: Path) -> sqlite3.Connection:
@@ -79,9 +85,9 @@ def _with_true_size(path: Path, copy: Path) -> Path:
 def _copy_rows(path: Path, source: sqlite3.Connection, target: sqlite3.Connection) -> None:
     """Copy topics, definitions and all whole messages."""
     target.executescript(_TABLES)
-    topics = source.execute("SELECT id, name, type, serialization_format FROM topics")
-    target.executemany("INSERT OR IGNORE INTO topics VALUES (?, ?, ?, ?)", topics.fetchall())
-    with suppress(sqlite3.Error):  # older logs have no such table
+    topics = _read_topics(path, source)
+    target.executemany("INSERT OR IGNORE INTO topics VALUES (?, ?, ?, ?)", topics)
+    with suppress(*BROKEN_DATABASE):  # older logs have no such table
         texts = source.execute(
             "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
         )
@@ -89,3 +95,15 @@ def _copy_rows(path: Path, source: sqlite3.Connection, target: sqlite3.Connectio
     target.executemany("INSERT OR IGNORE INTO messages VALUES (?, ?, ?, ?)", rows_in_pages(path))
     target.execute(_INDEX)
     target.commit()
+
+
+def _read_topics(path: Path, source: sqlite3.Connection) -> list[TopicRow]:
+    """Read the topics, out of the pages if the database does not give them."""
+    try:
+        found = source.execute("SELECT id, name, type, serialization_format FROM topics").fetchall()
+    except BROKEN_DATABASE as err:
+        found = list(topics_in_pages(path))
+        if not found:
+            msg = str(err)
+            raise BrokenRecordError(msg) from err
+    return found

@@ -12,6 +12,7 @@ from typing import BinaryIO, NamedTuple
 from mpap_cli.logs.files.chunks import BrokenRecordError, file_size
 
 Row = tuple[int, int, int, bytes]
+TopicRow = tuple[int, str, str, str]
 
 HEADER_BYTES = 100
 _LEAF = 0x0D
@@ -21,6 +22,7 @@ _SMALLEST_PAGE = 512
 _INTEGER_BYTES = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 8: 0, 9: 0}
 _FIRST_BLOB = 12
 _LONGEST_VARINT = 9
+_TOPIC_TEXTS = 4
 _U16 = struct.Struct(">H")
 _U32 = struct.Struct(">I")
 
@@ -73,20 +75,38 @@ def rows_in_pages(path: Path) -> Iterator[Row]:
     """
     with path.open("rb") as stream:
         pages = read_sizes(stream)
-        for number in range(2, pages.number + 2):
-            page = _read_page(stream, pages, number)
-            if len(page) < _LEAF_HEADER_BYTES or page[0] != _LEAF:
+        for page, place in _cells(stream, pages):
+            try:
+                row = _parse_cell(stream, pages, page, place)
+            except (BrokenRecordError, IndexError, struct.error):
                 continue
-            (n_cells,) = _U16.unpack_from(page, 3)
-            if _LEAF_HEADER_BYTES + 2 * n_cells > len(page):
+            if row is not None:
+                yield row
+
+
+def topics_in_pages(path: Path) -> Iterator[TopicRow]:
+    """Yield id, name, type and encoding of every topic in a database, as `rows_in_pages` does."""
+    with path.open("rb") as stream:
+        for page, place in _cells(stream, read_sizes(stream)):
+            try:
+                row = _parse_topic(page, place)
+            except IndexError:
                 continue
-            for place in struct.unpack_from(f">{n_cells}H", page, _LEAF_HEADER_BYTES):
-                try:
-                    row = _parse_cell(stream, pages, page, place)
-                except (BrokenRecordError, IndexError, struct.error):
-                    continue
-                if row is not None:
-                    yield row
+            if row is not None:
+                yield row
+
+
+def _cells(stream: BinaryIO, pages: Pages) -> Iterator[tuple[bytes, int]]:
+    """Yield every leaf of a table, and where in it each of its cells begins."""
+    for number in range(2, pages.number + 2):
+        page = _read_page(stream, pages, number)
+        if len(page) < _LEAF_HEADER_BYTES or page[0] != _LEAF:
+            continue
+        (n_cells,) = _U16.unpack_from(page, 3)
+        if _LEAF_HEADER_BYTES + 2 * n_cells > len(page):
+            continue
+        for place in struct.unpack_from(f">{n_cells}H", page, _LEAF_HEADER_BYTES):
+            yield page, place
 
 
 def _read_page(stream: BinaryIO, pages: Pages, number: int) -> bytes:
@@ -151,6 +171,27 @@ def _parse_types(record: bytes) -> tuple[int, list[int]] | None:
             and blob % 2 == 0
         ):
             return header, types
+    return None
+
+
+def _parse_topic(page: bytes, place: int) -> TopicRow | None:
+    """Return the topic in a cell; None if it is a row of another table."""
+    size, place = _varint(page, place)
+    number, place = _varint(page, place)
+    record = page[place : place + size]
+    header, position = _varint(record, 0)
+    texts: list[str] = []
+    end = header
+    while position < header and len(texts) < _TOPIC_TEXTS + 1:
+        kind, position = _varint(record, position)
+        if (kind < _FIRST_BLOB or kind % 2 == 0) and (texts or kind != 0):
+            break
+        n_bytes = (kind - _FIRST_BLOB) // 2 if kind else 0
+        texts.append(record[end : end + n_bytes].decode(errors="replace"))
+        end += n_bytes
+    match texts:
+        case ["", name, msgtype, ("cdr" | "ros1" | "json") as encoding, *_]:
+            return number, name, msgtype, encoding
     return None
 
 

@@ -3,13 +3,12 @@
 import base64
 import json
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from mpap_cli.errors import OutputError, UsageError
+from mpap_cli.errors import UsageError
 from mpap_cli.logs.writing.writer import LogWriter
 from mpap_cli.observations import NS_PER_S
 
@@ -72,8 +71,7 @@ class EventLogWriter:
             "data": base64.b64encode(jpeg).decode("ascii"),
             "format": "jpeg",
         }
-        with self._writing():
-            self._log.write(topic, "foxglove.CompressedImage", stamp_ns, message)
+        self._log.write(topic, "foxglove.CompressedImage", stamp_ns, message)
 
     def value(self, topic: str, stamp_ns: int, fields: Mapping[str, Value]) -> None:
         """Append named values; the first message of a topic makes its schema.
@@ -97,12 +95,11 @@ class EventLogWriter:
         kinds = {name: _kind(value) for name, value in fields.items()}
         values = {name: _plain(value) for name, value in fields.items()}
         message = {name: value for name, value in values.items() if value is not None}
-        with self._writing():
-            if topic not in self._kinds:
-                self._log.add_topic(topic, *_schema(topic, kinds))
-                self._kinds[topic] = kinds
-            _check_kinds(topic, {name: kinds[name] for name in message}, self._kinds[topic])
-            self._log.write(topic, _schema_name(topic), stamp_ns, message)
+        if topic not in self._kinds:
+            self._log.add_topic(topic, *_schema(topic, kinds))
+            self._kinds[topic] = kinds
+        _check_kinds(topic, {name: kinds[name] for name in message}, self._kinds[topic])
+        self._log.write(topic, _schema_name(topic), stamp_ns, message)
 
     def event(self, stamp_ns: int, duration_ns: int, metadata: Mapping[str, str]) -> None:
         """Append a foxglove.Event, which viewers show on the timeline.
@@ -129,18 +126,7 @@ class EventLogWriter:
             "end_time": _time(stamp_ns + duration_ns),
             "metadata": [{"key": key, "value": text} for key, text in metadata.items()],
         }
-        with self._writing():
-            self._log.write(EVENTS_TOPIC, "foxglove.Event", stamp_ns, message)
-
-    @contextmanager
-    def _writing(self) -> Iterator[None]:
-        """Turn an error of the disk into one line."""
-        try:
-            yield
-        except OSError as err:
-            found = (err.strerror or str(err)).lower()
-            msg = f"{self.path}: cannot be written ({found}); choose another place"
-            raise OutputError(msg) from err
+        self._log.write(EVENTS_TOPIC, "foxglove.Event", stamp_ns, message)
 
     def __enter__(self) -> Self:
         self._log.__enter__()
@@ -152,8 +138,7 @@ class EventLogWriter:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        with self._writing():
-            self._log.__exit__(kind, error, trace)
+        self._log.__exit__(kind, error, trace)
 
 
 def _time(stamp_ns: int) -> dict[str, int]:

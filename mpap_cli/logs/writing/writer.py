@@ -1,8 +1,10 @@
 """Writing logs: one interface for every container that the readers know."""
 
 import shutil
+import sqlite3
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -90,7 +92,9 @@ class LogWriter:
             If there is no definition of the type.
         """
         text, digest = (schema, "") if schema else self._encoder.definition(msgtype)
-        self._topics[topic] = (msgtype, self._open_storage.add_topic(topic, msgtype, text, digest))
+        with self._writing():
+            number = self._open_storage.add_topic(topic, msgtype, text, digest)
+        self._topics[topic] = (msgtype, number)
 
     def write(self, topic: str, msgtype: str, stamp_ns: int, message: Mapping[str, Any]) -> None:
         """Append one message; messages are expected in time order.
@@ -112,7 +116,8 @@ class LogWriter:
         if topic not in self._topics:
             self.add_topic(topic, msgtype)
         payload = self._encoder.encode(msgtype, message)
-        self._open_storage.write(self._topics[topic][1], stamp_ns, payload)
+        with self._writing():
+            self._open_storage.write(self._topics[topic][1], stamp_ns, payload)
 
     @property
     def _open_storage(self) -> Storage:
@@ -126,13 +131,13 @@ class LogWriter:
             msg = f"{self.path}: exists already; remove it or choose another name"
             raise OutputError(msg)
         try:
-            self._aside = Path(tempfile.mkdtemp(prefix=".mpap-", dir=self.path.parent))
-            aside = self._aside / self.path.name
-            self._storage = STORAGES[self.container](aside, self.container, self.compression)
-        except OSError as err:
+            with self._writing():
+                self._aside = Path(tempfile.mkdtemp(prefix=".mpap-", dir=self.path.parent))
+                aside = self._aside / self.path.name
+                self._storage = STORAGES[self.container](aside, self.container, self.compression)
+        except BaseException:
             self._remove_aside()
-            msg = f"{self.path}: cannot be written ({err.strerror}); choose another place"
-            raise OutputError(msg) from err
+            raise
         return self
 
     def __exit__(
@@ -144,11 +149,22 @@ class LogWriter:
         storage, self._storage = self._storage, None
         try:
             if storage is not None and self._aside is not None:
-                storage.close(whole=kind is None)
-                if kind is None:
-                    (self._aside / self.path.name).rename(self.path)
+                with self._writing():
+                    storage.close(whole=kind is None)
+                    if kind is None:
+                        (self._aside / self.path.name).rename(self.path)
         finally:
             self._remove_aside()
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Turn an error of the disk into one line."""
+        try:
+            yield
+        except (OSError, sqlite3.Error) as err:
+            found = (err.strerror if isinstance(err, OSError) else None) or str(err)
+            msg = f"{self.path}: cannot be written ({found.lower()}); choose another place"
+            raise OutputError(msg) from err
 
     def _remove_aside(self) -> None:
         if self._aside is not None:

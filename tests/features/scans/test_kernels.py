@@ -53,12 +53,12 @@ def bin_value(statistic: int, ranges: list[float]) -> float:
 
 
 def reference(
-    ranges: Float32Array, limits: Float32Array, runs: IntArray, n_turn: int
-) -> tuple[Float64Array, Float32Array]:
+    ranges: Float32Array, limits: Float32Array, runs: IntArray, stretch: Float32Array
+) -> tuple[Float64Array, Float32Array, Float32Array]:
     """Do what ``bin_block`` does, one beam after the other."""
-    n_scans, n_bins = len(ranges), len(runs) - 1
+    n_scans, n_bins, n_turn = len(ranges), len(runs) - 1, len(stretch)
     values = np.empty((6, n_scans, n_bins))
-    nearest = np.empty(n_scans, np.float32)
+    nearest, front = np.empty(n_scans, np.float32), np.empty(n_scans, np.float32)
     for i, scan in enumerate(ranges):
         cleaned = [clean_beam(float(r), limits) for r in scan]
         inside = [
@@ -66,6 +66,13 @@ def reference(
             for start, stop in runs
         ]
         nearest[i] = min([*inside[-1], limits[2]])
+        stretched = [
+            np.float32(cleaned[k % n_turn]) * stretch[k % n_turn]
+            for start, stop in runs[:-1]
+            for k in range(start, stop)
+            if cleaned[k % n_turn] >= 0
+        ]
+        front[i] = min([*stretched, limits[2]])
         for b in range(n_bins):
             for statistic in range(6):
                 if inside[b]:
@@ -75,12 +82,12 @@ def reference(
                 else:
                     value = limits[2] if statistic < 3 else 0.0
                 values[statistic, i, b] = value
-    return values, nearest
+    return values, nearest, front
 
 
 @st.composite
-def blocks(draw: st.DrawFn) -> tuple[Float32Array, IntArray, int]:
-    """Draw ranges, runs of beams that may cross the wrap or be empty, and beams of a turn."""
+def blocks(draw: st.DrawFn) -> tuple[Float32Array, IntArray, Float32Array]:
+    """Draw ranges, runs of beams that may cross the wrap or be empty, and stretches of a turn."""
     n_beams = draw(st.integers(2, 12))
     n_turn = draw(st.integers(max(2, n_beams - 1), n_beams))
     n_scans = draw(st.integers(0, 2 * _kernels.LANES + 1))
@@ -91,24 +98,26 @@ def blocks(draw: st.DrawFn) -> tuple[Float32Array, IntArray, int]:
     ranges = table[picks[0] % len(rows), picks[1]]
     run = st.tuples(st.integers(0, n_turn - 1), st.integers(0, n_turn))
     runs = [(start, start + n) for start, n in draw(st.lists(run, min_size=2, max_size=4))]
-    return ranges, np.array(runs, np.int64), n_turn
+    stretch = 1.0 + np.random.default_rng(n_turn).integers(0, 3, n_turn) / 2
+    return ranges, np.array(runs, np.int64), stretch.astype(np.float32)
 
 
 @pytest.mark.parametrize("kind", LIMITS)
 @given(block=blocks())
 def test_a_block_equals_the_loop_over_its_beams(
-    kind: str, block: tuple[Float32Array, IntArray, int]
+    kind: str, block: tuple[Float32Array, IntArray, Float32Array]
 ) -> None:
     """Values and nearest ranges equal the loop exactly, whatever the beams hold."""
-    ranges, runs, n_turn = block
+    ranges, runs, stretch = block
     limits = np.array(LIMITS[kind], np.float32)
     held = np.full((6, len(runs) - 1), np.nan)
 
-    values, nearest = _kernels.bin_block(ranges, limits, runs, n_turn, STATISTICS, held)
+    values, nearest, front = _kernels.bin_block(ranges, limits, runs, stretch, STATISTICS, held)
 
-    wanted_values, wanted_nearest = reference(ranges, limits, runs, n_turn)
+    wanted_values, wanted_nearest, wanted_front = reference(ranges, limits, runs, stretch)
     np.testing.assert_array_equal(values, wanted_values)
     np.testing.assert_array_equal(nearest, wanted_nearest)
+    np.testing.assert_array_equal(front, wanted_front)
     if len(ranges):
         np.testing.assert_array_equal(held, values[:, -1])
 
@@ -118,13 +127,9 @@ def test_only_what_is_asked_is_written() -> None:
     ranges = np.random.default_rng(0).uniform(0, 9, (40, 30)).astype(np.float32)
     limits = np.array(LIMITS["max"], np.float32)
     runs = np.array([[0, 15], [15, 30], [0, 30]])
-    held = np.full((6, 2), np.nan)
-    together, _ = _kernels.bin_block(ranges, limits, runs, 30, STATISTICS, held)
+    together = run_bins(ranges, limits, runs, STATISTICS)
 
-    alone = [
-        _kernels.bin_block(ranges, limits, runs, 30, STATISTICS[[s]], np.full((1, 2), np.nan))[0]
-        for s in STATISTICS
-    ]
+    alone = [run_bins(ranges, limits, runs, STATISTICS[[s]]) for s in STATISTICS]
 
     np.testing.assert_array_equal(np.concatenate(alone), together)
 
@@ -166,7 +171,8 @@ def run_bins(
 ) -> Float64Array:
     """Return the values of a block of scans that follow no other."""
     held = np.full((statistics.size, len(runs) - 1), np.nan)
-    return _kernels.bin_block(ranges, limits, runs, ranges.shape[1], statistics, held)[0]
+    stretch = np.ones(ranges.shape[1], np.float32)
+    return _kernels.bin_block(ranges, limits, runs, stretch, statistics, held)[0]
 
 
 def test_bodies_run_as_plain_python(monkeypatch: pytest.MonkeyPatch) -> None:

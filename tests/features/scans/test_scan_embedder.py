@@ -141,7 +141,7 @@ def test_sectors_outside_the_scanner_read_no_return(caplog: pytest.LogCaptureFix
         found = [embedder.transform(constant_scan(0.5, geometry=HALF)) for _ in range(2)]
 
     assert values.tolist() == [1.0] * 3 + [2.0] * 6 + [1.0] * 3
-    assert found[0].features.shape == (1, 21)
+    assert found[0].features.shape == (1, 24)
     assert caplog.messages == [
         "6 of 12 bins lie outside the field of the scanner and read 'no return'"
     ]

@@ -147,24 +147,26 @@ def test_slack_fills_the_histogram_to_its_most() -> None:
     assert found[7] == 0
 
 
-def robust_point(ring: float, sectors: list[float], change: float) -> Float32Array:
+def robust_point(ring: float, front: float, sectors: list[float], change: float) -> Float32Array:
     """Return the point of profile robust from its nearest ranges, formula by formula."""
     blocks = []
-    for weight, ranges in ((1.0, [ring]), (0.5, sectors)):
+    for weight, ranges in ((1.0, [ring]), (0.5, [front]), (0.5, sectors)):
         inverse = [1 / max(min(r, 1.0), 0.2) for r in ranges]
         blocks.append((weight, [*inverse, 5 * len(ranges) - sum(inverse)]))
     step = max(min(change, 0.5), -0.5)
     blocks.append((0.3, [max(step, 0), max(-step, 0), 0.5 - abs(step)]))
-    parts = [math.sqrt(weight / 1.8) * embed([block])[0] for weight, block in blocks]
+    parts = [math.sqrt(weight / 2.3) * embed([block])[0] for weight, block in blocks]
     return np.concatenate(parts).astype(np.float32)
 
 
 def test_profile_robust_is_its_formula() -> None:
-    """Ring, sectors and approach, weighted 1, .5 and .3, with slack and look-back."""
+    """Ring, front, sectors, approach, weighted 1, .5, .5 and .3, with slack and look-back."""
     ranges = np.full((4, 361), 4.0, np.float32)
     ranges[0, 5] = 1.5  # ahead, sector 6
     ranges[1, 5], ranges[2, 5] = 0.5, 0.1
     ranges[3, 100] = 0.4  # left behind, sector 9
+    ahead = 2 - math.cos(math.radians(5))
+    behind = 2 - math.cos(math.radians(100))
     stamps = (np.array([0.0, 0.6, 1.2, 2.4]) * SECOND).astype(np.int64)
     embedder = ScanEmbedder(ROBUST, math.pi)
 
@@ -172,12 +174,12 @@ def test_profile_robust_is_its_formula() -> None:
 
     far = [4.0] * 12
     wanted = [
-        robust_point(1.5, [*far[:6], 1.5, *far[:5]], 0.0),
-        robust_point(0.5, [*far[:6], 0.5, *far[:5]], -1.0),
-        robust_point(0.1, [*far[:6], 0.1, *far[:5]], -0.4),
-        robust_point(0.4, [*far[:9], 0.4, *far[:2]], 1.9),
+        robust_point(1.5, 1.5 * ahead, [*far[:6], 1.5, *far[:5]], 0.0),
+        robust_point(0.5, 0.5 * ahead, [*far[:6], 0.5, *far[:5]], -1.0),
+        robust_point(0.1, 0.1 * ahead, [*far[:6], 0.1, *far[:5]], -0.4),
+        robust_point(0.4, 0.4 * behind, [*far[:9], 0.4, *far[:2]], 1.9),
     ]
-    assert embedder.n_dims == 21
+    assert embedder.n_dims == 24
     np.testing.assert_allclose(found.features, np.array(wanted), atol=1e-6)
     np.testing.assert_allclose(found.nearest_ahead_m, [1.5, 0.5, 0.1, 4.0], rtol=1e-6)
 
@@ -201,7 +203,7 @@ def test_the_approach_does_not_look_back() -> None:
 
     found = ScanEmbedder(params, math.pi).transform(block_of(ranges, NEATO)).features
 
-    receding, approaching = found[:, 17] > 0, found[:, 18] > 0
+    receding, approaching = found[:, 20] > 0, found[:, 21] > 0
     assert approaching.tolist() == [False, True, False, False, False]
     assert receding.tolist() == [False, False, False, False, True]
 
@@ -209,13 +211,20 @@ def test_the_approach_does_not_look_back() -> None:
 def test_blocks_of_weight_zero_are_left_out() -> None:
     """Dimensions follow the blocks in use."""
     shapes = {
-        (1.0, 0.5, 0.3): 21,
-        (1.0, 0.5, 0.0): 17,
-        (1.0, 0.0, 0.0): 3,
-        (0.0, 1.0, 0.0): 14,
+        (1.0, 0.5, 0.5, 0.3): 24,
+        (1.0, 0.5, 0.5, 0.0): 20,
+        (1.0, 0.0, 0.5, 0.3): 21,
+        (1.0, 0.0, 0.0, 0.0): 3,
+        (0.0, 0.0, 1.0, 0.0): 14,
     }
-    for (ring, sectors, approach), n_dims in shapes.items():
-        params = replace(ROBUST, ring_weight=ring, sector_weight=sectors, approach_weight=approach)
+    for (ring, front, sectors, approach), n_dims in shapes.items():
+        params = replace(
+            ROBUST,
+            ring_weight=ring,
+            front_weight=front,
+            sector_weight=sectors,
+            approach_weight=approach,
+        )
 
         found = ScanEmbedder(params).transform(constant_scan(0.5)).features
 

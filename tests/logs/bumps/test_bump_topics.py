@@ -5,8 +5,9 @@ from typing import Any
 
 import pytest
 
+from mpap_cli.errors import UsageError
 from mpap_cli.logs.raw import LogReader, Topic
-from mpap_cli.logs.topics import Roles, choose_roles
+from mpap_cli.logs.topics import Roles, TopicChoice, choose_roles
 
 MakeLog = Callable[..., LogReader]
 Event = tuple[str, str, int, dict[str, Any]]
@@ -71,10 +72,15 @@ def test_bump_topic_is_found_by_type_and_name(
 
 
 def test_bumper_in_an_encoding_that_is_not_read_is_not_taken(make_log: MakeLog) -> None:
-    """A topic whose messages cannot be decoded says nothing of bumps."""
-    protobuf = Topic("/bump", BOOL, "protobuf", 4, "", "")
+    """A topic whose messages cannot be decoded says nothing of bumps, but is named."""
+    flatbuffer = Topic("/bump", BOOL, "flatbuffer", 4, "", "")
+    reason = "encoding flatbuffer cannot be read"
 
-    assert bump_roles(make_log, [], empty=[protobuf]).bumps == ()
+    roles = bump_roles(make_log, [], empty=[flatbuffer])
+
+    assert (roles.bumps, roles.notes) == ((), (f"/bump ({BOOL}) is not used: {reason}",))
+    with pytest.raises(UsageError, match=f"--bump-topic /bump: {reason}"):
+        choose_roles(make_log([], empty=[flatbuffer]), TopicChoice(bumps=("/bump",)))
 
 
 def test_missing_bump_topic_says_how_to_name_one(make_log: MakeLog) -> None:

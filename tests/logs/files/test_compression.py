@@ -29,8 +29,30 @@ def test_whole_chunk_is_unpacked(name: str, packed: bytes) -> None:
 
 @pytest.mark.parametrize(("name", "packed"), CASES)
 def test_no_more_is_unpacked_than_declared(name: str, packed: bytes) -> None:
-    """A chunk that holds more than it declares gives what it declares."""
-    assert decompress(name, packed, 1000) == (CONTENT[:1000], "")
+    """A packed chunk that holds more than it declares is broken."""
+    is_plain = packed == CONTENT
+
+    found, problem = decompress(name, packed, 1000)
+
+    assert found == (CONTENT[:1000] if is_plain else b"")
+    assert problem == ("" if is_plain else f"{name} cannot unpack it")
+
+
+@pytest.mark.parametrize(
+    ("name", "packed"),
+    [
+        ("bz2", bz2.compress(CONTENT)),
+        ("lz4", lz4.frame.compress(CONTENT, content_checksum=True)),
+        ("zstd", zstandard.ZstdCompressor(write_checksum=True).compress(CONTENT)),
+    ],
+)
+def test_checksum_behind_the_last_byte_counts(name: str, packed: bytes) -> None:
+    """All bytes have come out before it is read."""
+    changed = packed[:-3] + bytes([packed[-3] ^ 1]) + packed[-2:]
+
+    found, problem = decompress(name, changed, len(CONTENT))
+
+    assert (found, problem) == (b"", f"{name} cannot unpack it")
 
 
 @pytest.mark.parametrize(("name", "packed"), CASES)

@@ -7,6 +7,7 @@ import pytest
 import zstandard
 
 from mpap_cli.errors import LogError
+from mpap_cli.logs.files import containers
 from mpap_cli.logs.reader import READERS, open_log
 from tests.logs.rows import IN_ORDER, SHUFFLED, WriteLog, read
 
@@ -126,7 +127,36 @@ def test_packed_file_that_is_cut(write_log: WriteLog) -> None:
         n_found = sum(1 for _ in reader.messages(["/left"]))
 
     assert n_found > 1000
-    assert [damage.kind for damage in reader.damage] == ["truncated"]
+    assert [damage.kind for damage in reader.damage] == ["packed", "truncated"]
+
+
+def test_packed_file_with_a_broken_block(write_log: WriteLog) -> None:
+    """What was packed before it is read, to the last byte."""
+    folder = write_log("folder-mcap-file", SHUFFLED * 200)
+    path = folder / "log.mcap.zstd"
+    content = zstandard.ZstdDecompressor().decompressobj().decompress(path.read_bytes())
+    packed = bytearray(zstandard.ZstdCompressor(write_content_size=False).compress(content))
+    packed[-9:] = b"\xff" * 9
+    path.write_bytes(packed)
+
+    with open_log(path) as reader:
+        kinds = [damage.kind for damage in reader.damage]
+        n_found = sum(1 for _ in reader.messages(["/left"]))
+
+    assert n_found > 1000
+    assert kinds[0] == "packed"
+
+
+def test_packed_file_that_unpacks_without_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No log shrinks that much; the disk is not filled with it."""
+    monkeypatch.setattr(containers, "MAX_CHUNK_BYTES", 1 << 20)
+    path = tmp_path / "log.mcap.zstd"
+    path.write_bytes(zstandard.compress(bytes(1 << 26)))
+
+    with pytest.raises(LogError, match=r"log\.mcap\.zstd: unpacks to over .* no log does"):
+        open_log(path)
 
 
 def test_no_room_for_unpacking(

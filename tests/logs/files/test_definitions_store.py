@@ -231,3 +231,26 @@ def test_payload_that_does_not_fit(payload: bytes, encoding: str) -> None:
 
     with pytest.raises(PayloadError, match=r"a message of /bump \(\d+ bytes\) does not fit"):
         store.decode(message(payload, PAIR, SWITCHES, encoding))
+
+
+def test_types_that_are_nowhere_defined_are_named(tmp_path: Path) -> None:
+    """Those of messages; a file of the user, mpap or the distribution is a definition."""
+    for path in ("a_msgs/msg/Given.msg", "a_msgs/msg/Told.idl"):
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text("", encoding="utf-8")
+    topics = [
+        Topic("/a", "a_msgs/msg/Given", "cdr", 1, "", ""),
+        Topic("/b", "a_msgs/msg/Told", "cdr", 1, "", ""),
+        Topic("/c", "a_msgs/msg/Lost", "cdr", 1, "", ""),
+        Topic("/d", "a_msgs/msg/Lost", "ros1", 1, "", ""),
+        Topic("/e", "a_msgs/msg/Empty", "cdr", 0, "", ""),
+        Topic("/f", "a_msgs/msg/Own", "cdr", 1, "bool on", "ros2msg"),
+        Topic("/g", "a_msgs.Other", "json", 1, "", ""),
+        Topic("/h", "std_msgs/msg/Bool", "cdr", 1, "", ""),
+        Topic("/i", "neato2_interfaces/msg/Bump", "cdr", 1, "", ""),
+        Topic("/j", "another_msgs/msg/Lost", "cdr", 1, "", ""),
+    ]
+
+    found = DefinitionsStore("a.db3", [tmp_path]).undefined_types(topics)
+
+    assert found == ("a_msgs/msg/Lost", "another_msgs/msg/Lost")

@@ -16,6 +16,7 @@ from mpap_cli.observations import IntArray
 
 Found = tuple[list[tuple[int, int, int, int]], bool]
 Walk = Callable[[bytes, Sequence[int]], Found]
+Compiled = Callable[[bytes, IntArray], tuple[IntArray, int, int]]
 WANTED = (3, 0, 70_000)
 
 stamps = st.integers(0, 2**64 - 1) | st.integers(0, 99)
@@ -82,7 +83,7 @@ def walk_mcap(records: bytes, wanted: Sequence[int]) -> Found:
             return found, False
         opcode, size = struct.unpack_from("<BQ", records, position)
         position = begin + size
-        if position > len(records) or (opcode == 5 and size < 22):
+        if position > len(records) or (opcode == 5 and size < 22) or opcode not in {3, 4, 5}:
             return found, False
         if opcode == 5:
             channel, stamp_ns = struct.unpack_from("<H4xQ", records, begin)
@@ -116,7 +117,7 @@ def walk_bag(records: bytes, wanted: Sequence[int]) -> Found:
     return found, True
 
 
-WALKS: Mapping[str, tuple[Callable[[bytes, IntArray], tuple[IntArray, bool]], Walk]] = {
+WALKS: Mapping[str, tuple[Compiled, Walk]] = {
     "mcap": (kernels.walk_mcap, walk_mcap),
     "bag": (kernels.walk_bag, walk_bag),
 }
@@ -126,9 +127,10 @@ def check_walk(kind: str, records: bytes) -> None:
     """Compare a walk with the plain one."""
     compiled, plain = WALKS[kind]
 
-    found, whole = compiled(records, np.array(WANTED))
+    found, stop, _ = compiled(records, np.array(WANTED))
 
-    assert ([tuple(column) for column in found.T.tolist()], whole) == plain(records, WANTED)
+    columns = [tuple(column) for column in found.T.tolist()]
+    assert (columns, stop == len(records)) == plain(records, WANTED)
 
 
 @given(records=mcap_chunks | broken(mcap_chunks) | st.binary())
@@ -165,10 +167,11 @@ def test_more_messages_than_expected() -> None:
     )
     one = np.array([2])
 
-    found, whole = kernels.walk_mcap(mcap, np.array([3]))
-    of_bag, _ = kernels.walk_bag(bag * 5000, one)
+    found, stop, last = kernels.walk_mcap(mcap, np.array([3]))
+    of_bag, _, _ = kernels.walk_bag(bag * 5000, one)
 
-    assert (found.shape, whole) == ((4, 5000), True)
+    assert (found.shape, stop) == ((4, 5000), len(mcap))
+    assert last == len(mcap) * 4999 // 5000
     assert of_bag.shape == (4, 5000)
 
 

@@ -16,7 +16,6 @@ from mpap_cli.logs.files.chunks import BrokenRecordError, Span
 from mpap_cli.logs.files.mcap_records import (
     McapFormat,
     parse_channel,
-    parse_message,
     parse_schema,
     records_in,
 )
@@ -134,13 +133,13 @@ def test_topic_of_two_channels_is_one(tmp_path: Path) -> None:
 
 
 def test_encodings_that_are_not_read_are_listed(tmp_path: Path) -> None:
-    """A protobuf topic has a name, a type and a count, and no definition."""
+    """A topic in flatbuffer has a name, a type and a count, and no definition."""
     path = tmp_path / "log.mcap"
     with path.open("wb") as stream:
         writer = Writer(stream)
         writer.start()
-        schema = writer.register_schema("foxglove.LaserScan", "protobuf", b"\xff\xfe")
-        channel = writer.register_channel("/scan", "protobuf", schema)
+        schema = writer.register_schema("foxglove.LaserScan", "flatbuffer", b"\xff\xfe")
+        channel = writer.register_channel("/scan", "flatbuffer", schema)
         writer.add_message(channel, 1, b"\x08\x01", 1)
         writer.finish()  # type: ignore[no-untyped-call]  # mcap forgot the type
 
@@ -148,9 +147,9 @@ def test_encodings_that_are_not_read_are_listed(tmp_path: Path) -> None:
         topic = reader.topics[0]
         message = next(reader.messages(["/scan"]))
 
-    assert (topic.msgtype, topic.encoding) == ("foxglove.LaserScan", "protobuf")
+    assert (topic.msgtype, topic.encoding) == ("foxglove.LaserScan", "flatbuffer")
     assert (topic.definition, topic.definition_format) == ("", "")
-    with pytest.raises(LogError, match="encoded as protobuf; only ros1, cdr and json are read"):
+    with pytest.raises(LogError, match="as flatbuffer; only ros1, cdr, json and protobuf are read"):
         reader.decode(message)
 
 
@@ -167,12 +166,10 @@ def test_broken_schema_and_channel(parse: Callable[[bytes], Schema | Channel]) -
 
 
 def test_broken_records_are_noticed() -> None:
-    """A head, a record or a message that is cut off."""
+    """A head or a record that is cut off."""
     record = struct.pack("<BQ", Opcode.HEADER, 3) + b"abc"
 
     assert list(records_in(record)) == [(Opcode.HEADER, 9, 12)]
     for content in (record[:-1], record + b"\x01"):
         with pytest.raises(BrokenRecordError):
             list(records_in(content))
-    with pytest.raises(BrokenRecordError):
-        parse_message(b"\x01\0", 0)

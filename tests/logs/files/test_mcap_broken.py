@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from mcap.opcode import Opcode
+from mcap.writer import CompressionType
 
 from mpap_cli.errors import LogError
 from mpap_cli.logs.reader import open_log
@@ -193,4 +194,21 @@ def test_chunk_behind_the_end_of_the_file(write_log: WriteLog) -> None:
         found = stamps(reader)
 
     assert 0 < len(found) <= len(ROWS)
+    assert reader.damage
+
+
+@pytest.mark.parametrize("options", [{"enable_crcs": False}, {"use_chunking": False}])
+@pytest.mark.parametrize("size", [1, 100, 2**40], ids=["short", "long", "huge"])
+def test_message_of_a_wrong_size(tmp_path: Path, options: dict[str, bool], size: int) -> None:
+    """Reading goes on behind it, whatever it swallows."""
+    stamps_ns = list(range(10**18, 10**18 + 30))
+    words = {**options, "compression": CompressionType.NONE}
+    path = write_mcap(tmp_path / "log.mcap", stamps_ns, **words)
+    place = path.read_bytes().index(struct.pack("<Q", stamps_ns[7])) - 14
+    change(path, place, struct.pack("<Q", 62 + size))
+
+    with open_log(path) as reader:
+        found = stamps(reader)
+
+    assert set(stamps_ns) - set(found) <= {stamps_ns[7]}
     assert reader.damage

@@ -150,3 +150,75 @@ def test_header_of_a_database_that_is_broken(tmp_path: Path, header: bytes) -> N
 
     with pytest.raises(BrokenRecordError, match="the header of the database is broken"):
         list(rows_in_pages(path))
+
+
+def index_leaf(content: bytearray) -> int:
+    """Return where a page of the index of stamps begins."""
+    return next(p for p in range(0, len(content), PAGE_BYTES) if content[p] == 0x0A)
+
+
+def test_stamp_that_differs_in_the_index(database: Path) -> None:
+    """The row has the right one, and is given out with it."""
+    content = bytearray(database.read_bytes())
+    leaf = index_leaf(content)
+    place = next(
+        at
+        for stamp in STAMPS
+        if (at := content.find(stamp.to_bytes(8, "big"), leaf, leaf + PAGE_BYTES)) > 0
+    )
+    content[place + 7] ^= 0x80
+    database.write_bytes(content)
+
+    with open_log(database) as reader:
+        found = stamps(reader)
+
+    assert found == STAMPS
+    assert [damage.kind for damage in reader.damage] == ["database"]
+    assert "its index of stamps is broken" in reader.damage[0].text
+
+
+@pytest.mark.parametrize("whole", [True, False], ids=["folder", "file"])
+def test_message_that_the_index_has_lost(database: Path, whole: bool) -> None:
+    """The index is not believed, be the messages counted or not."""
+    content = bytearray(database.read_bytes())
+    content[index_leaf(content) + 4] -= 1
+    database.write_bytes(content)
+
+    with open_log(database.parent if whole else database) as reader:
+        found = stamps(reader)
+
+    assert found == STAMPS
+    assert [damage.kind for damage in reader.damage] == ["database"]
+
+
+def test_row_that_is_no_message(database: Path) -> None:
+    """A payload that became a text, or a topic that does not exist: left out and counted."""
+    with closing(sqlite3.connect(database)) as opened:
+        opened.execute("UPDATE messages SET data = 'text' WHERE id = 3")
+        opened.execute("UPDATE messages SET topic_id = 77 WHERE id = 5")
+        opened.commit()
+
+    with open_log(database) as reader:
+        found, again = stamps(reader), stamps(reader)
+
+    assert found == again == [stamp for stamp in STAMPS if stamp not in {STAMPS[2], STAMPS[4]}]
+    assert [(damage.kind, damage.count) for damage in reader.damage] == [("message", 2)]
+    with (
+        open_log(database, strict=True) as reader,
+        pytest.raises(LogError, match="rows are broken"),
+    ):
+        stamps(reader)
+
+
+def test_topics_of_a_database_without_schema(database: Path) -> None:
+    """They lie in a page of their own, as messages do."""
+    content = bytearray(database.read_bytes())
+    content[100:PAGE_BYTES] = b"\xff" * (PAGE_BYTES - 100)
+    database.write_bytes(content)
+
+    with open_log(database) as reader:
+        found = stamps(reader)
+        topics = {topic.name: topic.msgtype for topic in reader.topics}
+
+    assert found == STAMPS
+    assert topics == dict.fromkeys(("/left", "/right"), "std_msgs/msg/String")

@@ -90,3 +90,22 @@ def test_names_with_signs_of_a_uri(write_log: WriteLog) -> None:
         found = stamps(reader)
 
     assert found == STAMPS
+
+
+def test_folder_of_a_recording_that_was_not_finished(write_log: WriteLog) -> None:
+    """Its metadata.yaml is from before; what stands in the -wal counts."""
+    folder = write_log("sqlite3", ROWS)
+    with closing(sqlite3.connect(folder / "log.db3")) as database:
+        database.execute("PRAGMA journal_mode = WAL").fetchall()
+        database.execute("INSERT INTO messages VALUES (61, 1, ?, x'00010000')", (10**18 + 60,))
+        database.commit()
+
+        with open_log(folder) as reader:
+            found = stamps(reader)
+
+    assert found == [*STAMPS, 10**18 + 60]
+    assert sum(topic.n_messages for topic in reader.topics) == reader.n_messages == 61
+    assert [text.partition(": ")[2] for text in reader.warnings] == [
+        "recording not finished, read together with log.db3-wal",
+        "metadata.yaml counts 60 messages, the files hold 61",
+    ]

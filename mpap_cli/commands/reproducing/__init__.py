@@ -1,0 +1,1 @@
+"""The experiments of section 5, one file each, and the bench that they work at."""

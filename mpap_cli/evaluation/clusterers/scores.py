@@ -1,0 +1,84 @@
+"""Clusters against classes: V-measure and its kin (section 5.1.1, Table 2)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpap_cli.evaluation.clusterers.records import ClusteringResult, LabelledPoints
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClusteringRow:
+    """One run of one clusterer (a row of cluster.csv).
+
+    ``order_seed`` is None where neither order nor seed matters; ``clustered_points`` and
+    ``coverage`` are None where nothing is summarised or left out. Scores are NaN unless
+    the points belong to two classes or more.
+    """
+
+    method: str
+    variant: str
+    order_seed: int | None
+    clusters: int
+    points: int
+    clustered_points: int | None
+    coverage: float | None
+    v_measure: float
+    homogeneity: float
+    completeness: float
+    ari: float
+    seconds: float
+
+
+def score_clustering(
+    method: str,
+    variant: str,
+    order_seed: int | None,
+    points: LabelledPoints,
+    result: ClusteringResult,
+) -> ClusteringRow:
+    """Score clusters against the classes of the points.
+
+    Parameters
+    ----------
+    method, variant : str
+        Key of the clusterer.
+    order_seed : int or None
+        Which order of the points, or seed, this is.
+    points : LabelledPoints
+        In the order in which they were clustered; those of no class do not count.
+    result : ClusteringResult
+        Points that a clusterer calls noise count as one more cluster.
+
+    Returns
+    -------
+    ClusteringRow
+        V-measure with beta 1 (Rosenberg and Hirschberg 2007), its two parts, and the
+        adjusted Rand index.
+    """
+    from sklearn.metrics import (  # noqa: PLC0415  # start-up
+        adjusted_rand_score,
+        homogeneity_completeness_v_measure,
+    )
+
+    known = points.classes >= 0
+    truth, labels = points.classes[known], result.labels[known]
+    homogeneity = completeness = v_measure = ari = math.nan
+    if len(np.unique(truth)) > 1:
+        homogeneity, completeness, v_measure = homogeneity_completeness_v_measure(truth, labels)
+        ari = adjusted_rand_score(truth, labels)
+    return ClusteringRow(
+        method=method,
+        variant=variant,
+        order_seed=order_seed,
+        clusters=result.clusters,
+        points=len(points.classes),
+        clustered_points=result.clustered_points,
+        coverage=result.coverage,
+        v_measure=float(v_measure),
+        homogeneity=float(homogeneity),
+        completeness=float(completeness),
+        ari=float(ari),
+        seconds=result.seconds,
+    )

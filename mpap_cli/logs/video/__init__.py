@@ -1,0 +1,1 @@
+"""Video in logs: its packets, and which of them are needed to decode which."""
