@@ -12,6 +12,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from logging.handlers import QueueHandler, QueueListener
+from multiprocessing.context import SpawnContext
 from multiprocessing.queues import Queue
 from pathlib import Path
 from typing import Any
@@ -155,29 +156,38 @@ def _run_all(benches: Sequence[Bench], jobs: int) -> list[Found]:
         return [_run(bench) for bench in benches]
     context = multiprocessing.get_context("spawn")
     talk: Queue[Any] = context.Queue()
-    logger = logging.getLogger(_PACKAGE)
-    listener = QueueListener(talk, *logger.handlers)
-    others = multiprocessing.active_children()
+    listener = QueueListener(talk, *logging.getLogger(_PACKAGE).handlers)
     listener.start()
     try:
-        with ProcessPoolExecutor(
-            max_workers=min(jobs, len(benches)),
-            mp_context=context,
-            initializer=_begin_worker,
-            initargs=(talk, logger.level),
-        ) as pool:
-            longest = sorted(benches, key=lambda bench: -_named(bench.experiment).cost)
+        found = _run_in_pool(benches, jobs, context, talk)
+    except BaseException:
+        talk.cancel_join_thread()  # a worker that was ended may hold its lock for ever
+        raise
+    listener.stop()
+    return found
+
+
+def _run_in_pool(
+    benches: Sequence[Bench], jobs: int, context: SpawnContext, talk: "Queue[Any]"
+) -> list[Found]:
+    """Run experiments in processes; none of them outlives an error or an interruption."""
+    others = multiprocessing.active_children()
+    with ProcessPoolExecutor(
+        max_workers=min(jobs, len(benches)),
+        mp_context=context,
+        initializer=_begin_worker,
+        initargs=(talk, logging.getLogger(_PACKAGE).level),
+    ) as pool:
+        longest = sorted(benches, key=lambda bench: -_named(bench.experiment).cost)
+        try:
             waiting = {bench.experiment: pool.submit(_run, bench) for bench in longest}
-            try:
-                return [waiting[bench.experiment].result() for bench in benches]
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                for worker in multiprocessing.active_children():
-                    if worker not in others:
-                        worker.terminate()
-                raise
-    finally:
-        listener.stop()
+            return [waiting[bench.experiment].result() for bench in benches]
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for worker in multiprocessing.active_children():
+                if worker not in others:
+                    worker.terminate()
+            raise
 
 
 def _begin_worker(talk: "Queue[Any]", level: int) -> None:
