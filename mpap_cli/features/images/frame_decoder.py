@@ -56,6 +56,8 @@ class FrameDecoder:
                 video.append(position)
             else:
                 yield position, self._still(frame)
+        if not video:  # PyAV, an extra, may be missing
+            return
         for number, found in self._video.decode([frames[position] for position in video]):
             yield video[number], found if isinstance(found, str) else as_recorded(found)
 
