@@ -19,8 +19,7 @@ MOST_BYTES = 1 << 31
 _GARBLED = (
     zipfile.BadZipFile,
     zipfile.LargeZipFile,
-    NotImplementedError,  # packed in a way that is not known
-    RuntimeError,  # encrypted
+    RuntimeError,  # encrypted, or packed in a way that is not known
     EOFError,
     ValueError,
     KeyError,

@@ -72,6 +72,27 @@ class _Totals:
         self.leads += judged.leads
         self.stops.append(judged.stops)
 
+    def outcome(
+        self, *, settings: Settings, n_patches: int, inputs: tuple[InputFile, ...], exit_code: int
+    ) -> PredictedImages:
+        """Return what was found in all logs, of images with so many patches each."""
+        n_images = self.actions.total()
+        leads = [lead for lead in self.leads if lead.predicted is not None]
+        return PredictedImages(
+            n_images=n_images,
+            n_patches=n_images * n_patches,
+            n_obstacle=self.n_obstacle,
+            n_unknown=self.n_unknown,
+            actions={action: self.actions[action] for action in ACTIONS},
+            contacts=len(leads),
+            contacts_foreseen=sum(lead.predicted is True for lead in leads),
+            stops=tuple(self.stops),
+            stopping=summarize_stops(self.stops),
+            patch_threshold=settings.obstacle.patch_threshold,
+            inputs=inputs,
+            exit_code=exit_code,
+        )
+
 
 def predict_images(
     model: AppearanceModel,
@@ -112,19 +133,9 @@ def predict_images(
             note_images(source, model)
             inputs.append(describe_input(source.path))
     annotator.write(results.path("annotated.png"))
-    n_images = totals.actions.total()
-    judged_leads = [lead for lead in totals.leads if lead.predicted is not None]
-    return PredictedImages(
-        n_images=n_images,
-        n_patches=n_images * model.n_patches,
-        n_obstacle=totals.n_obstacle,
-        n_unknown=totals.n_unknown,
-        actions={action: totals.actions[action] for action in ACTIONS},
-        contacts=len(judged_leads),
-        contacts_foreseen=sum(lead.predicted is True for lead in judged_leads),
-        stops=tuple(totals.stops),
-        stopping=summarize_stops(totals.stops),
-        patch_threshold=settings.obstacle.patch_threshold,
+    return totals.outcome(
+        settings=settings,
+        n_patches=model.n_patches,
         inputs=(*inputs, *press_inputs(selection)),
         exit_code=losses.exit_code,
     )
