@@ -15,6 +15,8 @@ from mpap_cli.logs.raw import Damage, RawMessage, Reading, RunGroup, Topic
 
 UNFINISHED = ("-wal", "-journal")
 _BLOCK_ROWS = 16  # a row may be an image of a megabyte
+# the same over the rows and over the index of stamps, which holds stamp and id of each row
+_CHECKSUM = "COUNT(*), SUM(timestamp >> 32), SUM(timestamp % 1048573 * (1 + id % 1021))"
 
 
 class SqliteFile:
@@ -62,13 +64,12 @@ class SqliteFile:
         """Refuse an index that does not hold every message; that is looked at once."""
         if self._is_checked:
             return
-        query = (
-            f"SELECT COUNT(*) FROM messages "  # noqa: S608  # numbers only
-            f"WHERE timestamp >= {-MAX_STAMP_NS} AND timestamp < {MAX_STAMP_NS}"
-        )
         with closing(connect(self._database)) as database:
-            (n_messages,) = database.execute(query).fetchone()
-        if n_messages != self.n_messages:
+            by_row, by_stamp = (
+                database.execute(f"SELECT {_CHECKSUM} FROM messages {how}").fetchone()  # noqa: S608
+                for how in ("NOT INDEXED", f"WHERE timestamp >= {-MAX_STAMP_NS}")
+            )
+        if by_row != by_stamp:
             raise sqlite3.DatabaseError(BROKEN_INDEX)
         self._is_checked = True
 

@@ -177,6 +177,24 @@ def test_stamp_that_differs_in_the_index(database: Path) -> None:
     assert "its index of stamps is broken" in reader.damage[0].text
 
 
+def test_stamp_that_differs_in_the_row(database: Path) -> None:
+    """A message that is suddenly the first of all is found before the others are given out."""
+    content = bytearray(database.read_bytes())
+    changed = len(STAMPS) // 2
+    text = STAMPS[changed].to_bytes(8, "big")
+    leaves = (p for p in range(0, len(content), PAGE_BYTES) if content[p] == 0x0D)
+    places = (content.find(text, leaf, leaf + PAGE_BYTES) for leaf in leaves)
+    content[next(place for place in places if place > 0)] ^= 0x08
+    database.write_bytes(content)
+
+    with open_log(database) as reader:
+        found = stamps(reader)
+
+    others = STAMPS[:changed] + STAMPS[changed + 1 :]
+    assert found == [STAMPS[changed] - (8 << 56), *others]
+    assert [damage.kind for damage in reader.damage] == ["database"]
+
+
 @pytest.mark.parametrize("whole", [True, False], ids=["folder", "file"])
 def test_message_that_the_index_has_lost(database: Path, whole: bool) -> None:
     """The index is not believed, be the messages counted or not."""
