@@ -56,6 +56,7 @@ soak: $(VENV)/.installed-tools
 	PYTHONPATH=. $(BIN)/python benchmarks/fuzz.py --minutes $(FUZZ_MINUTES) fixtures \
 		$(if $(MPAP_SHARED),$(MPAP_SHARED)/data/logs)
 	PYTHONPATH=. $(BIN)/python benchmarks/kills.py --kills 30
+	PYTHONPATH=. $(BIN)/python benchmarks/long_runs.py --hours 100
 
 clean:
 	rm -rf $(VENV) mpap-out .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage

@@ -165,6 +165,8 @@ def damage_log(
     if subject.log.is_dir():
         shutil.copytree(subject.log, copy)
         target = copy / subject.storage.name
+    target.write_bytes(subject.content[: len(subject.content) // 2])
+    read_copy(copy)  # compiles the kernels, once for all children
     tally = Tally(subject.log.name, damage)
     for place, content in damaged(subject.content, damage, n_cases, seed):
         target.write_bytes(content)
@@ -229,7 +231,6 @@ def main() -> None:
         print(line([name for name, _ in _COLUMNS]))
         for log in logs:
             subject = subject_of(log)
-            read_copy(log)  # compiles the kernels, once for all children
             for damage in DAMAGES:
                 tally = damage_log(subject, damage, asked.cases, asked.seed, folder, Limits())
                 print(line(tally.cells()), flush=True)

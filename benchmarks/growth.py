@@ -57,7 +57,7 @@ def _by_meta_points(points: F32) -> tuple[float, int]:
     """Return time and cluster-points of meta-point affinity propagation."""
 
     def learn() -> int:
-        meta_points = MetaPoints(_META_POINT, 2, normalised=False)
+        meta_points = MetaPoints(_META_POINT, 2, normalized=False)
         meta_points.add_data_points(points, np.arange(len(points)))
         meta_points.cluster(_AFFINITY)
         return int(meta_points.is_cluster_point.sum())
@@ -69,7 +69,7 @@ def _by_affinity(points: F32) -> float:
     """Return the time of affinity propagation over all points."""
 
     def cluster() -> None:
-        s = similarities(points, normalised=False)
+        s = similarities(points, normalized=False)
         affinity_propagation(s, resolve_preference(s, _AFFINITY.preference), _AFFINITY)
 
     return cpu_of(cluster)[0]

@@ -37,7 +37,7 @@ def images(folder: Path) -> list[Row]:
         lambda: full.transform(frames),
         lambda: _decode(frames),
         lambda: scaled.transform(bgr),
-        lambda: [_by_numpy(image) for image in ready],
+        lambda: [by_numpy(image) for image in ready],
     ]
     with one_thread_each():
         turns = in_turns(works, REPEATS)
@@ -72,7 +72,7 @@ def _decode(frames: list[Frame]) -> None:
         cv2.imdecode(np.frombuffer(frame.payload, np.uint8), cv2.IMREAD_COLOR)
 
 
-def _by_numpy(image: Image) -> Float32Array:
+def by_numpy(image: Image) -> Float32Array:
     """Return the same features as the embedder's, without the coordinates that are 0."""
     hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV).astype(np.int64)
     bins = hsv * 16 // [180, 256, 256] + [0, 16, 32]
@@ -87,9 +87,11 @@ def _by_numpy(image: Image) -> Float32Array:
     patterns = np.pad(bin_of[codes], 1, constant_values=59)
     described = np.dstack([bins, patterns]).astype(np.uint8)
     features = np.empty((36, 107), np.float32)
+    tall, wide = len(described) // 6, described.shape[1] // 6
+    left = (described.shape[1] - 6 * wide) // 2
     for p in range(36):
-        y, x = p // 6 * 40, 1 + p % 6 * 53
-        pixels = described[y : y + 40, x : x + 53].reshape(-1, 4)
+        y, x = p // 6 * tall, left + p % 6 * wide
+        pixels = described[y : y + tall, x : x + wide].reshape(-1, 4)
         color = np.bincount(pixels[:, :3].ravel(), minlength=48)
         texture = np.bincount(pixels[:, 3], minlength=60)[:59]
         features[p, :48] = np.sqrt(0.5 * color / color.sum())

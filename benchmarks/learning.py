@@ -1,20 +1,33 @@
 """The commands as a user runs them: learn against a straightforward script, memory, evaluate."""
 
 import sys
+import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
-from benchmarks import straightforward
-from benchmarks.measuring import MPAP, children_in_turns, in_turns, run_child, simulated
+import cv2
+
+from benchmarks import straightforward, straightforward_camera
+from benchmarks.measuring import MPAP, children_in_turns, cpu_of, in_turns, run_child, simulated
 from benchmarks.table import Row
 from mpap_cli.commands.inputs.models import load_collision_model
 from mpap_cli.commands.inputs.selection import LogSelection
-from mpap_cli.commands.learn import LearnRequest, LearntScans
+from mpap_cli.commands.learn import LearnRequest
 from mpap_cli.commands.learn import learn as run_learn
+from mpap_cli.commands.learning.summary import LearntScans
 from mpap_cli.commands.settings import SettingsRequest
 
 REPEATS = 3
 SCRIPT = str(Path(straightforward.__file__))
 LONG_H = 10
+CAMERA_MIN = 5
+# What is said, settings, and how the script decodes: images in full, and at half size.
+_FULL = ("image-size=640x480", "image-decode=full")
+_SIZES = (
+    ("images in full", _FULL, cv2.IMREAD_COLOR),
+    ("half size", (), cv2.IMREAD_REDUCED_COLOR_2),
+)
 EVALUATED_MIN = 10
 
 
@@ -50,6 +63,50 @@ def _learn_rows(world: str, folder: Path) -> list[Row]:
         )
         for what, (mine, theirs) in (("whole process", whole), ("after imports", inside))
     ]
+
+
+def pipeline(folder: Path) -> list[Row]:
+    """Learn from scans and images together, beside a script, and with two threads."""
+    path = folder / f"camera-{CAMERA_MIN}min.mcap"
+    seconds = str(60 * CAMERA_MIN)
+    run_child([MPAP, "simulate", str(path), "--camera", "--bumper", "bool", "--duration", seconds])
+
+    work = f"learn {CAMERA_MIN} min of camera (5 Hz) and scans (10 Hz)"
+    rows = []
+    for size, words, decode in _SIZES:
+        learn_camera(path, words, 1)  # compiles the kernels
+        mine = tuple(cpu_of(partial(learn_camera, path, words, 1))[0] for _ in range(REPEATS))
+        theirs, learnt = cpu_of(partial(straightforward_camera.main, path, decode))
+        print(f"script, {size}: {learnt}", file=sys.stderr)
+        rows.append(
+            Row(
+                work=f"{work}, {size}",
+                mpap=mine,
+                beside="straightforward script",
+                peer=(theirs,),
+                goal=">= 8x",
+            )
+        )
+    walls = [
+        [_wall_of(partial(learn_camera, path, (), jobs)) for jobs in (2, 1)] for _ in range(REPEATS)
+    ]
+    two, one = zip(*walls, strict=True)
+    goal = "<= 0.6x"
+    return [*rows, Row(work=f"{work}, 2 threads", mpap=two, beside="1, clock", peer=one, goal=goal)]
+
+
+def learn_camera(path: Path, words: tuple[str, ...], jobs: int) -> None:
+    """Learn from the scans and images of a log."""
+    selection = LogSelection(logs=(str(path),), sensor="auto")
+    request = LearnRequest(out=path.with_suffix(""), jobs=jobs)
+    run_learn(selection, SettingsRequest(pairs=words), request)
+
+
+def _wall_of(work: Callable[[], object]) -> float:
+    """Return what a call takes by the clock."""
+    began = time.perf_counter()
+    work()
+    return time.perf_counter() - began
 
 
 def _compare(scans: LearntScans, theirs: straightforward.Learnt, out: Path) -> None:

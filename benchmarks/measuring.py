@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
+from benchmarks.seconds import Seconds
+
 Result = TypeVar("Result")
 MPAP = str(Path(sys.executable).with_name("mpap"))
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
@@ -18,7 +20,7 @@ _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM
 class Usage:
     """What a child process took: user and system time together, and its peak memory."""
 
-    cpu_s: float
+    cpu_s: Seconds
     peak_mb: float
     output: str
 
@@ -40,6 +42,7 @@ def run_child(command: Sequence[str]) -> Usage:
     RuntimeError
         If it does not end with 0.
     """
+    began = time.perf_counter()
     child = subprocess.Popen(command, env=environment(), stdout=subprocess.PIPE, text=True)
     assert child.stdout is not None  # noqa: S101  # it is a pipe
     with child.stdout as stream:
@@ -49,7 +52,8 @@ def run_child(command: Sequence[str]) -> Usage:
     if child.returncode != 0:
         msg = f"{' '.join(command)} ended with {child.returncode}"
         raise RuntimeError(msg)
-    return Usage(used.ru_utime + used.ru_stime, used.ru_maxrss / 1024, output)
+    clock = time.perf_counter() - began
+    return Usage(Seconds(used.ru_utime + used.ru_stime, clock), used.ru_maxrss / 1024, output)
 
 
 def children_in_turns(commands: Sequence[Sequence[str]], repeats: int) -> list[list[Usage]]:
@@ -63,14 +67,15 @@ def children_in_turns(commands: Sequence[Sequence[str]], repeats: int) -> list[l
     return usages
 
 
-def cpu_of(work: Callable[[], Result]) -> tuple[float, Result]:
+def cpu_of(work: Callable[[], Result]) -> tuple[Seconds, Result]:
     """Return the CPU time of a call in this process, all threads, and its result."""
-    before = time.process_time()
+    began, before = time.perf_counter(), time.process_time()
     result = work()
-    return time.process_time() - before, result
+    taken = Seconds(time.process_time() - before, time.perf_counter() - began)
+    return taken, result
 
 
-def in_turns(works: Sequence[Callable[[], object]], repeats: int) -> list[tuple[float, ...]]:
+def in_turns(works: Sequence[Callable[[], object]], repeats: int) -> list[tuple[Seconds, ...]]:
     """Return the CPU times of functions called in turns; the first turn is thrown away."""
     for work in works:
         work()

@@ -1,8 +1,9 @@
 """The table of benchmarks: ``make bench``, or ``python benchmarks/run.py NAME...`` for some.
 
 Every figure stands beside a peer or a limit that was measured in turns with it, in the same
-run: only the ratios mean anything. CPU time counts, not the clock. A goal that is not met
-fails nothing. Each name runs in a process of its own.
+run: only the ratios mean anything. CPU time counts; the time on the clock stands beside it
+and says how far the machine was shared. Figures are medians, the spread is that of the
+ratios. A goal that is not met fails nothing. Each name runs in a process of its own.
 """
 
 import importlib
@@ -11,23 +12,26 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import asdict
 from pathlib import Path
 
 from benchmarks.measuring import environment
-from benchmarks.table import COLUMNS, Row, line, shown
+from benchmarks.table import COLUMNS, Row, line, packed, shown, unpacked
 
 # Name of a benchmark: its module; the function in it has the name of the benchmark.
 BENCHMARKS = {
     "startup": "startup",
     "kernel": "scan_features",
     "reading": "scan_features",
+    "chosen": "scan_features",
+    "containers": "scan_features",
     "images": "images",
     "insertion": "insertion",
     "affinity": "affinity",
     "strap": "strap",
     "growth": "growth",
+    "long_runs": "long_runs",
     "learn": "learning",
+    "pipeline": "learning",
     "evaluate": "learning",
     "memory": "learning",
 }
@@ -47,17 +51,14 @@ def measure_in_child(name: str, folder: Path) -> list[Row]:
     child = subprocess.run(
         command, env=environment(), stdout=subprocess.PIPE, text=True, check=True
     )
-    return [
-        Row(**{**cells, "mpap": tuple(cells["mpap"]), "peer": tuple(cells["peer"])})
-        for cells in json.loads(child.stdout.splitlines()[-1])
-    ]
+    return [unpacked(cells) for cells in json.loads(child.stdout.splitlines()[-1])]
 
 
 def main(words: list[str]) -> None:
     """Measure what is named, or everything, and print the table line by line."""
     if words[:1] == [_CHILD]:
         rows = measure(words[1], Path(words[2]))
-        print(json.dumps([asdict(row) for row in rows]))
+        print(json.dumps([packed(row) for row in rows]))
         return
     unknown = [name for name in words if name not in BENCHMARKS]
     if unknown:

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 import zstandard
-from mcap.reader import make_reader
-from mcap.writer import Writer
 from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader
 
 from benchmarks.measuring import in_turns, simulated
+from benchmarks.scan_logs import as_bag, as_database, beside_images, scans_alone
 from benchmarks.table import Row
 from mpap_cli.features.scans import _kernels
 from mpap_cli.features.scans.scan_bins import lay_out_bins
@@ -59,7 +58,7 @@ def kernel(_folder: Path) -> list[Row]:
 
 def reading(folder: Path) -> list[Row]:
     """Read one hour of scans and take one feature of 12 bins, checksums included."""
-    path = _scans_alone(simulated(folder, "indoor"), folder / "scans.mcap")
+    path = scans_alone(simulated(folder, "indoor"), folder / "scans.mcap")
     settings = make_settings("paper", {"bins": str(BINS)})
     works = [
         lambda: _by_mpap(path, settings),
@@ -77,6 +76,53 @@ def reading(folder: Path) -> list[Row]:
     ]
 
 
+def chosen(folder: Path) -> list[Row]:
+    """Read ten minutes of scans that stand beside images, in chunks of their own."""
+    alone = scans_alone(simulated(folder, "indoor", 10), folder / "scans-10min.mcap")
+    beside = beside_images(alone, folder / "scans-and-images.mcap")
+    settings = make_settings("paper", {"bins": str(BINS)})
+    works = [lambda: _by_mpap(beside, settings), lambda: _by_mpap(alone, settings)]
+    mine, theirs = in_turns(works, REPEATS)
+    n_mb = beside.stat().st_size / 1e6
+    return [
+        Row(
+            work=f"10 min of scans -> features, {n_mb:.0f} MB with images",
+            mpap=_ms(mine),
+            beside="the scans alone",
+            peer=_ms(theirs),
+            unit="ms",
+            goal="<=",
+        )
+    ]
+
+
+def containers(folder: Path) -> list[Row]:
+    """Read ten minutes of scans out of the other containers."""
+    alone = scans_alone(simulated(folder, "indoor", 10), folder / "scans-10min.mcap")
+    settings = make_settings("paper", {"bins": str(BINS)})
+    rows = []
+    for kind, path in (("bag", as_bag(alone)), ("db3", as_database(alone))):
+
+        def by_mpap(path: Path = path) -> object:
+            return _by_mpap(path, settings)
+
+        def by_rosbags(path: Path = path) -> object:
+            return _by_rosbags(path)
+
+        mine, rosbags = in_turns([by_mpap, by_rosbags], REPEATS)
+        rows.append(
+            Row(
+                work=f"10 min of scans, {kind} -> 12-bin features",
+                mpap=_ms(mine),
+                beside="rosbags deserialize + vectorised numpy",
+                peer=_ms(rosbags),
+                unit="ms",
+                goal=">=",
+            )
+        )
+    return rows
+
+
 def _ms(times: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(1000 * seconds for seconds in times)
 
@@ -92,25 +138,6 @@ def vectorised(ranges: F32, range_min: float = 0.02, range_max: float = 8.0) -> 
     low, high = bins.min(axis=2), bins.max(axis=2)
     steps = np.abs(np.diff(bins, axis=2)).mean(axis=2)
     return [low, high, bins.mean(axis=2), high - low, steps]
-
-
-def _scans_alone(path: Path, to: Path) -> Path:
-    """Copy the scans of a log into one of their own, in chunks packed by zstd."""
-    with path.open("rb") as source, to.open("wb") as stream:
-        writer = Writer(stream)
-        writer.start("ros2")
-        channel_id = None
-        for schema, channel, message in make_reader(source).iter_messages(topics=["/scan"]):
-            if channel_id is None and schema is not None:
-                schema_id = writer.register_schema(schema.name, schema.encoding, schema.data)
-                channel_id = writer.register_channel(
-                    channel.topic, channel.message_encoding, schema_id
-                )
-            writer.add_message(
-                channel_id or 0, message.log_time, message.data, message.publish_time
-            )
-        writer.finish()  # type: ignore[no-untyped-call]  # the library is half typed
-    return to
 
 
 def _by_mpap(path: Path, settings: Settings) -> list[Float32Array]:

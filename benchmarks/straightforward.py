@@ -112,7 +112,8 @@ class Features:
 class MetaPoints:
     """Algorithm 1 with one array row per meta-point."""
 
-    def __init__(self) -> None:
+    def __init__(self, theta: float = THETA) -> None:
+        self.theta = theta
         self.sums: list[Array] = []
         self.counts: list[int] = []
         self.exemplars: list[Array] = []
@@ -145,10 +146,10 @@ class MetaPoints:
     def add_data_point(self, point: Array) -> int:
         """Return the row of the meta-point that takes the point in."""
         place, distance = self.nearest(point, of_cluster=True)
-        if distance < THETA:
+        if distance < self.theta:
             return self.update(place, point, of_cluster=True)
         place, distance = self.nearest(point, of_cluster=False)
-        if distance < THETA:
+        if distance < self.theta:
             row = self.update(place, point, of_cluster=False)
             if self.counts[row] >= MIN_POINTS:
                 self.rows[False].pop(place)

@@ -13,10 +13,10 @@ THETA, MIN_POINTS = 0.2, 5
 
 
 def clean_stream() -> F32:
-    """Return points in 546 groups that lie apart: every point is near one centre."""
+    """Return points in 546 groups that lie apart: every point is near one center."""
     rng = np.random.default_rng(0)
-    centres = rng.dirichlet(np.full(_BINS, 0.5), size=546)
-    return _scattered(rng, centres[rng.integers(546, size=N_POINTS)], concentration=1500.0)
+    centers = rng.dirichlet(np.full(_BINS, 0.5), size=546)
+    return _scattered(rng, centers[rng.integers(546, size=N_POINTS)], concentration=1500.0)
 
 
 def hard_stream() -> F32:
@@ -31,6 +31,22 @@ def hard_stream() -> F32:
     return _scattered(rng, mixed, concentration=400.0)
 
 
+def coherent_stream() -> F32:
+    """Return points that come one after the other as a robot meets them that drives slowly.
+
+    Each goes a small step from the one before, between two ends of the hard stream, and is
+    scattered by about a fifth of theta; every 300 points the robot is elsewhere.
+    """
+    rng = np.random.default_rng(2)
+    ends = rng.dirichlet(np.full(_BINS, 0.5), size=(2, 120))
+    n_drives = N_POINTS // 300
+    pair = np.repeat(rng.integers(120, size=n_drives), 300)
+    start = np.repeat(rng.random(n_drives), 300)
+    share = np.abs((start + 0.002 * np.tile(np.arange(300), n_drives)) % 2.0 - 1.0)[:, None]
+    mixed = share * ends[0, pair] + (1.0 - share) * ends[1, pair]
+    return _scattered(rng, mixed, concentration=8000.0)
+
+
 def _scattered(rng: np.random.Generator, shares: NDArray[np.float64], concentration: float) -> F32:
     """Draw a histogram around each of the given ones and embed it."""
     # gammas that are divided by their sum, as the embedding does, are a Dirichlet sample
@@ -39,11 +55,11 @@ def _scattered(rng: np.random.Generator, shares: NDArray[np.float64], concentrat
 
 
 def gaussians(n: int, seed: int = 0) -> F32:
-    """Return n points of 10 Gaussians in the plane, centres 8 and more deviations apart."""
+    """Return n points of 10 Gaussians in the plane, centers 8 and more deviations apart."""
     rng = np.random.default_rng(seed)
     places = np.stack(np.meshgrid(np.arange(4) * 10.0, np.arange(3) * 10.0), axis=-1)
-    centres = places.reshape(-1, 2)[:10] + rng.uniform(-1, 1, (10, 2))
-    points = centres[rng.integers(10, size=n)] + rng.standard_normal((n, 2))
+    centers = places.reshape(-1, 2)[:10] + rng.uniform(-1, 1, (10, 2))
+    points = centers[rng.integers(10, size=n)] + rng.standard_normal((n, 2))
     return points.astype(np.float32)
 
 

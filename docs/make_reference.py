@@ -1,4 +1,4 @@
-"""Write docs/cli.md and docs/settings.md from the code; ``--check`` fails if they differ."""
+"""Write the pages of reference from the code; ``--check`` fails if they differ."""
 
 import sys
 from collections.abc import Iterator
@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from docs.columns_page import column_lines
+from docs.messages_page import message_lines
 from mpap_cli.cli.main import mpap
 from mpap_cli.commands.settings import SettingsRequest, config
 
@@ -36,8 +38,13 @@ def setting_lines() -> Iterator[str]:
 
 
 def main() -> int:
-    """Write or check both pages."""
-    pages = {"cli.md": "\n".join(command_pages()), "settings.md": "".join(setting_lines())}
+    """Write or check the pages."""
+    pages = {
+        "cli.md": "\n".join(command_pages()),
+        "columns.md": "".join(column_lines()),
+        "messages.md": "".join(message_lines()),
+        "settings.md": "".join(setting_lines()),
+    }
     stale = [
         name
         for name, text in pages.items()

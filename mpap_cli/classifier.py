@@ -37,21 +37,24 @@ from mpap_cli.observations import (
 from mpap_cli.params import PropertyParams
 from mpap_cli.properties.counts import ClusteredPoints, cluster_counts, ratio
 from mpap_cli.properties.kernel import Kernel, kernel_mean
+from mpap_cli.properties.nearest_points import NearestPoints
 
 _MOST_ROWS = 512
-_MOST_DISTANCES = 1 << 21
+_MOST_DISTANCES = 1 << 18
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Model:
     """What a read-out looks at: meta-points (n), clustered ones (p) and clusters (k).
 
-    ``is_cluster_point`` (n,); ``counts`` (n, 2); ``rows`` (p,) of the clustered ones among
-    the meta-points and ``labels`` (p,), their clusters; ``exemplars`` (k, d);
-    ``cluster_rate`` (k,), the base rate where a cluster has no label.
+    Those that it does not look at are ``others``. ``is_cluster_point`` (n,); ``counts``
+    (n, 2); ``rows`` (p,) of the clustered ones among the meta-points and ``labels`` (p,),
+    their clusters; ``exemplars`` (k, d); ``cluster_rate`` (k,), the base rate where a
+    cluster has no label.
     """
 
     references: Float64Array
+    others: NearestPoints
     is_cluster_point: BoolArray
     counts: IntArray
     rows: IntArray
@@ -160,11 +163,14 @@ def _model(
     base_rate = float(ratio(counts.sum(axis=0)))
     rate = ratio(cluster_counts(meta_points, clustered, pair))
     rows = meta_points.rows_of(clustered.ids)
+    references, is_cluster_point = meta_points.references(), meta_points.is_cluster_point
+    seen = is_cluster_point | (params.readout == "kernel")
     return _Model(
-        references=meta_points.references(),
-        is_cluster_point=meta_points.is_cluster_point,
-        counts=counts,
-        rows=rows,
+        references=references[seen],
+        others=NearestPoints(references[~seen]),
+        is_cluster_point=is_cluster_point[seen],
+        counts=counts[seen],
+        rows=np.searchsorted(np.flatnonzero(seen), rows),
         labels=clustered.clustering.labels,
         exemplars=meta_points.exemplars[rows[clustered.clustering.exemplars]],
         cluster_rate=np.where(np.isnan(rate), base_rate, rate),
@@ -177,7 +183,7 @@ def _model(
 def _classify_chunk(model: _Model, features: FloatArray) -> Prediction:
     """Classify a few observations at once."""
     squared = squared_distances(features, model.references)
-    distance = np.sqrt(squared.min(axis=1, initial=np.inf))
+    least = np.minimum(squared.min(axis=1, initial=np.inf), model.others.least_squared(features))
     to_cluster_points = squared[:, model.is_cluster_point].min(axis=1, initial=np.inf)
     point = _nearest(squared[:, model.rows])
     if model.params.readout == "exemplar":
@@ -187,7 +193,7 @@ def _classify_chunk(model: _Model, features: FloatArray) -> Prediction:
     readings = _Readings(squared, point, cluster)
     return Prediction(
         cluster=cluster,
-        distance=distance,
+        distance=np.sqrt(least),
         novel=~(to_cluster_points < model.theta**2),
         p_cluster=_rate_of(model, cluster),
         p_collision=READOUTS[model.params.readout](model, readings),

@@ -9,9 +9,12 @@ that turns the former into the latter.
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mpap_cli.errors import SettingError
 from mpap_cli.observations import Float64Array, FloatArray
 
 ZERO_MASS = 1e-12
+# The matrix of their pairs takes 3.2 GB, and affinity propagation four of it.
+MOST_CLUSTERED = 20_000
 # Up to so many differences numpy is done before scipy would be imported.
 _FEW_STEPS = 1 << 20
 
@@ -55,15 +58,15 @@ def embed(histograms: ArrayLike) -> FloatArray:
 
 
 def squared_distances(
-    points: FloatArray, others: FloatArray, *, normalised: bool = True
+    points: FloatArray, others: FloatArray, *, normalized: bool = True
 ) -> Float64Array:
     """Squared distances between all pairs of two sets of points.
 
     Parameters
     ----------
     points, others : ndarray of shape (n, d) and (m, d)
-        Embedded histograms, or any points if not ``normalised``.
-    normalised : bool
+        Embedded histograms, or any points if not ``normalized``.
+    normalized : bool
         Whether half of the squared Euclidean distance is meant (equation 7), or all of it.
 
     Returns
@@ -81,7 +84,7 @@ def squared_distances(
     left, right = np.asarray(points, np.float64), np.asarray(others, np.float64)
     small = left.size * len(right) <= _FEW_STEPS
     squared = _sums_of_squares(left, right) if small else _cdist(left, right)
-    if normalised:
+    if normalized:
         squared *= 0.5
     return squared
 
@@ -115,17 +118,17 @@ def distance(point: FloatArray, other: FloatArray) -> float:
 
 
 def similarities(
-    points: FloatArray, rule: str = "neg-squared", *, normalised: bool = True
+    points: FloatArray, rule: str = "neg-squared", *, normalized: bool = True
 ) -> Float64Array:
     """Similarities of all pairs of points for affinity propagation (section 3.2).
 
     Parameters
     ----------
     points : ndarray of shape (n, d)
-        Embedded histograms, or any points if not ``normalised``.
+        Embedded histograms, or any points if not ``normalized``.
     rule : str
         ``neg-squared``: s = -d^2; ``neg-distance``: s = -d.
-    normalised : bool
+    normalized : bool
         As in :func:`squared_distances`.
 
     Returns
@@ -133,12 +136,23 @@ def similarities(
     ndarray of shape (n, n)
         float64, 0 or less, zeros on the diagonal.
 
+    Raises
+    ------
+    SettingError
+        If the points are more than memory can take pairs of.
+
     Examples
     --------
     >>> similarities(embed([[1.0, 0.0], [0.0, 1.0]])).tolist()
     [[0.0, -1.0], [-1.0, 0.0]]
     """
-    squared = squared_distances(points, points, normalised=normalised)
+    if len(points) > MOST_CLUSTERED:
+        msg = (
+            f"clustering: found {len(points):,} points, at most {MOST_CLUSTERED:,} can be compared "
+            "with one another; make theta (scans) or eps (images) larger"
+        )
+        raise SettingError(msg)
+    squared = squared_distances(points, points, normalized=normalized)
     if rule == "neg-distance":
         np.sqrt(squared, out=squared)
     return np.subtract(0.0, squared, out=squared)

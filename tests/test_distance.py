@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from mpap_cli.distance import distance, embed, similarities, squared_distances
+from mpap_cli.distance import MOST_CLUSTERED, distance, embed, similarities, squared_distances
+from mpap_cli.errors import SettingError
 from mpap_cli.observations import Float64Array
 
 HISTOGRAMS = arrays(
@@ -106,10 +107,10 @@ def test_embed_keeps_float32_and_leading_axes() -> None:
 
 
 def test_euclidean_points_have_no_factor() -> None:
-    """Points that are not normalised keep their plain squared distances."""
+    """Points that are not normalized keep their plain squared distances."""
     points = np.array([[0.0, 0.0], [3.0, 4.0]])
 
-    squared = squared_distances(points[:1], points, normalised=False)
+    squared = squared_distances(points[:1], points, normalized=False)
 
     assert squared.tolist() == [[0.0, 25.0]]
 
@@ -118,8 +119,8 @@ def test_similarities_fall_with_distance() -> None:
     """One rule takes -d^2, the other -d."""
     points = np.array([[0.0, 0.0], [3.0, 4.0]])
 
-    assert similarities(points, normalised=False).tolist() == [[0.0, -25.0], [-25.0, 0.0]]
-    assert similarities(points, "neg-distance", normalised=False)[0, 1] == -5.0
+    assert similarities(points, normalized=False).tolist() == [[0.0, -25.0], [-25.0, 0.0]]
+    assert similarities(points, "neg-distance", normalized=False)[0, 1] == -5.0
 
 
 def test_arguments_stay_as_they_are() -> None:
@@ -143,3 +144,11 @@ def test_many_points_have_the_same_distances_as_few() -> None:
 
     few = [squared_distances(points[row : row + 1], points) for row in range(len(points))]
     assert (many == np.concatenate(few)).all()
+
+
+def test_more_points_than_memory_takes_pairs_of_are_refused() -> None:
+    """One line with what to change, before any memory is taken."""
+    points = np.zeros((MOST_CLUSTERED + 1, 1), np.float32)
+
+    with pytest.raises(SettingError, match=r"found 20,001 points, .* make theta .* larger"):
+        similarities(points)

@@ -5,7 +5,7 @@ import sys
 
 from mpap_cli.commands.cluster import Clustered
 from mpap_cli.evaluation.clusterers.scores import ClusteringRow
-from mpap_cli.evaluation.clusterers.summary import MethodSummary, findings, summarise
+from mpap_cli.evaluation.clusterers.summary import MethodSummary, findings, summarize
 from mpap_cli.outputs import console
 from mpap_cli.outputs.text_table import aligned, count, printable
 
@@ -34,7 +34,7 @@ def print_clustered(found: Clustered, shape: str) -> None:
 
 def clustered_text(found: Clustered) -> str:
     """Lay out the means over the orders, and say what stands out."""
-    summaries = summarise(found.rows)
+    summaries = summarize(found.rows)
     n_points, n_classes = count(found.n_points, "patch"), count(found.n_classes, "class")
     names = ", ".join(found.class_names)
     lines = [f"{n_points} of {n_classes}: {names}"]

@@ -23,9 +23,9 @@ def info(**words: Any) -> int:
 
     LOG may also be a model file or results folder: then what it knows, and from which logs.
     """
-    from mpap_cli.cli.printing import print_infos
+    from mpap_cli.cli.printing import print_infos, progress
     from mpap_cli.commands.info import info as run
 
-    infos = run(options.selection(words))
+    infos = run(options.selection(words), progress)
     print_infos(infos, words["shape"])
     return infos.exit_code

@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any
+from typing import Annotated
 
+from mpap_cli.commands.facts import ImageFacts, LogFacts
 from mpap_cli.commands.info import LogInfo
 from mpap_cli.logs.times import is_date
 from mpap_cli.observations import NS_PER_S
 from mpap_cli.outputs.text_table import aligned, count, printable
+from mpap_cli.systems.columns import LogName
 
 CONTAINERS = {
     "bag": "ROS 1 bag",
@@ -17,25 +19,39 @@ CONTAINERS = {
     "rosbag2/mcap": "rosbag2 folder, MCAP",
 }
 
+_UNITS = (("GB", 10**9), ("MB", 10**6), ("kB", 10**3))
+
 
 @dataclass(frozen=True, slots=True)
 class TopicRow:
     """What ``--format csv`` prints of a topic."""
 
-    name: str
-    topic: str
-    type: str
-    messages: int
-    hz: float | None
-    role: str | None
+    name: LogName
+    topic: Annotated[str, "name of the topic"]
+    type: Annotated[str, "type of its messages"]
+    messages: Annotated[int, "number of its messages"]
+    hz: Annotated[float | None, "messages per second of the log"]
+    role: Annotated[str | None, "`scan`, `image` or `bump`; empty for others"]
+    bytes: Annotated[int | None, "size of its messages; empty where no index tells"]
 
 
 def topic_rows(log: LogInfo) -> list[TopicRow]:
     """Return the topics of a log."""
-    return [TopicRow(log.name, *topic.values()) for topic in log.facts["topics"]]
+    return [
+        TopicRow(
+            name=log.name,
+            topic=topic["name"],
+            type=topic["type"],
+            messages=topic["messages"],
+            hz=topic["hz"],
+            role=topic["role"],
+            bytes=topic["bytes"],
+        )
+        for topic in log.facts["topics"]
+    ]
 
 
-def log_facts(log: LogInfo) -> dict[str, Any]:
+def log_facts(log: LogInfo) -> LogFacts:
     """Return what ``--format json`` prints of a log."""
     return log.facts
 
@@ -50,7 +66,7 @@ def log_text(log: LogInfo) -> str:
         ),
         *aligned(
             [
-                ("  topic", "type", "messages", "hz", "role"),
+                ("  topic", "type", "messages", "hz", "role", "size"),
                 *(
                     (
                         f"  {t['name']}",
@@ -58,15 +74,16 @@ def log_text(log: LogInfo) -> str:
                         f"{t['messages']:,}",
                         _number(t["hz"]),
                         t["role"] or "",
+                        _size(t["bytes"]),
                     )
                     for t in facts["topics"]
                 ),
             ],
-            right={2, 3},
+            right={2, 3, 5},
         ),
         _scan_line(log),
         _bump_line(log),
-        *([_image_line(log)] if facts["image"] else []),
+        *([_image_line(facts["image"], log.reasons["image"])] if facts["image"] else []),
         *(f"  damaged: {text}" for text in facts["damage"]),
         *(f"  note: {text}" for text in facts["warnings"]),
         f"  {facts['can_learn']}",
@@ -101,18 +118,27 @@ def _bump_line(log: LogInfo) -> str:
     )
 
 
-def _image_line(log: LogInfo) -> str:
+def _image_line(image: ImageFacts, reason: str) -> str:
     """Say which camera would be used and why."""
-    image = log.facts["image"]
     size = f"{image['width']} x {image['height']}" if image["width"] else "size unknown"
     return (
-        f"  image: {image['topic']} ({log.reasons['image']}): {count(image['images'], 'image')}, "
+        f"  image: {image['topic']} ({reason}): {count(image['images'], 'image')}, "
         f"{size}, {image['encoding'] or 'encoding unknown'}"
     )
 
 
 def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:g}"
+
+
+def _size(n_bytes: int | None) -> str:
+    """Return a size for people; a dash where no index tells."""
+    if n_bytes is None:
+        return "-"
+    for unit, divisor in _UNITS:
+        if n_bytes >= divisor:
+            return f"{n_bytes / divisor:,.1f} {unit}"
+    return f"{n_bytes} B"
 
 
 def _date(stamp_ns: int) -> str:

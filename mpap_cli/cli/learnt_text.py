@@ -1,6 +1,6 @@
 """What ``mpap learn`` and ``mpap merge`` print: counts, and the most dangerous clusters."""
 
-from mpap_cli.commands.learn import Learnt, LearntImages, LearntScans
+from mpap_cli.commands.learning.summary import Learnt, LearntImages, LearntScans
 from mpap_cli.outputs.console import shown
 from mpap_cli.outputs.text_table import aligned, count, printable
 from mpap_cli.systems.cluster_rows import ClusterRow

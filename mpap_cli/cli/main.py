@@ -10,16 +10,19 @@ from pathlib import Path
 import click
 
 from mpap_cli import __version__
-from mpap_cli.cli.interruption import interruptible
+from mpap_cli.cli.interruption import ended_by_signals
 from mpap_cli.errors import MpapError
 
-INTERRUPTED = 130
+_THAT_MATTER = ("numpy", "numba", "opencv_python_headless", "rosbags", "mcap", "scikit_learn")
 COMMANDS = {
     "info": "What a log holds and what could be learnt from it.",
     "learn": "Learn clusters and collision probabilities from logs.",
     "evaluate": "Score collision prediction: ROC, AUC, lead times.",
     "predict": "Predict collisions and obstacles in new logs.",
     "novelty": "How much of each log is new, over time.",
+    "similar": "The earlier moments most like another one.",
+    "compare": "How much of each log the others explain.",
+    "extract": "Cut what is worth keeping into new logs.",
     "merge": "Make one model of several.",
     "cluster": "Compare clusterers on labelled image patches.",
     "reproduce": "Make the tables and figures of the paper again.",
@@ -53,7 +56,17 @@ class LazyGroup(click.Group):
 def _print_version(context: click.Context, _option: click.Parameter, wanted: bool) -> None:
     if not wanted or context.resilient_parsing:
         return
-    click.echo(f"mpap {__version__}")
+    # importlib.metadata would take longer than all the rest: the records lie beside click
+    site_packages = os.path.dirname(os.path.dirname(click.__file__))  # noqa: PTH120  # as fast
+    records = sorted(os.listdir(site_packages))  # noqa: PTH208
+    versions = dict(
+        name.removesuffix(".dist-info").split("-", 1)
+        for name in records
+        if name.endswith(".dist-info")
+    )
+    parts = [f"Python {sys.version.split()[0]}"]
+    parts += [f"{name} {versions[name]}" for name in _THAT_MATTER if name in versions]
+    click.echo(f"mpap {__version__} ({', '.join(parts)})")
     context.exit()
 
 
@@ -73,7 +86,7 @@ Example:
     is_eager=True,
     expose_value=False,
     callback=_print_version,
-    help="Show the version and exit.",
+    help="Show the versions that matter and exit.",
 )
 def mpap() -> None:
     """Learn from recorded robot logs what the surroundings look like and what means a collision.
@@ -103,7 +116,7 @@ def _prepare_streams() -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
     _prepare_streams()
-    with interruptible():
+    with ended_by_signals():
         _run(arguments)
 
 
@@ -119,13 +132,15 @@ def _run(arguments: Sequence[str] | None) -> None:
         # who reads stdout has gone; what Python still holds for it goes nowhere
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
+    except MemoryError:
+        _say("not enough memory; shorter parts (--start, --end) or fewer logs need less")
+        sys.exit(1)
     except OSError as error:
         _say(f"{error.filename or 'output'}: {(error.strerror or str(error)).lower()}")
         sys.exit(1)
     except click.ClickException as error:
         error.show()
         sys.exit(error.exit_code)
-    except (KeyboardInterrupt, click.Abort):
-        _say("interrupted; results are whole, older or new")
-        sys.exit(INTERRUPTED)
+    except click.Abort as aborted:
+        raise KeyboardInterrupt from aborted
     sys.exit(code if isinstance(code, int) else 0)

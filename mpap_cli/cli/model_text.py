@@ -1,10 +1,12 @@
 """What ``mpap info`` prints of a model."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated
 
+from mpap_cli.commands.facts import ModelFacts
 from mpap_cli.commands.info import ModelInfo
 from mpap_cli.outputs.text_table import aligned, count, printable
+from mpap_cli.systems.columns import LogName
 from mpap_cli.systems.labelling import LogSource
 
 
@@ -15,28 +17,43 @@ class ModelRow:
     What was not learnt, of scans or of images, is None.
     """
 
-    path: str
-    profile: str
-    feature: str
-    bins: int
-    clusters: int | None
-    meta_points: int | None
-    image_clusters: int | None
-    exemplars: int | None
-    log: str
-    scans: int | None
-    images: int | None
-    presses: int | None
+    path: Annotated[str, "the model"]
+    profile: Annotated[str, "`robust` or `paper`"]
+    feature: Annotated[str, "value of a bin of a scan"]
+    bins: Annotated[int, "number of bins of a scan"]
+    clusters: Annotated[int | None, "clusters of scans"]
+    meta_points: Annotated[int | None, "meta-points of scans"]
+    image_clusters: Annotated[int | None, "clusters of patches"]
+    exemplars: Annotated[int | None, "exemplars of patches"]
+    log: LogName
+    scans: Annotated[int | None, "scans learnt from it"]
+    images: Annotated[int | None, "images learnt from it"]
+    presses: Annotated[int | None, "its presses"]
 
 
 def model_rows(model: ModelInfo) -> list[ModelRow]:
     """Return the logs of a model, each with what the model is."""
     known = model_facts(model)
-    logs = known.pop("logs")
-    return [ModelRow(*known.values(), *log.values()) for log in logs]
+    return [
+        ModelRow(
+            path=known["path"],
+            profile=known["profile"],
+            feature=known["feature"],
+            bins=known["bins"],
+            clusters=known["clusters"],
+            meta_points=known["meta_points"],
+            image_clusters=known["image_clusters"],
+            exemplars=known["exemplars"],
+            log=log["name"],
+            scans=log["scans"],
+            images=log["images"],
+            presses=log["presses"],
+        )
+        for log in known["logs"]
+    ]
 
 
-def model_facts(model: ModelInfo) -> dict[str, Any]:
+def model_facts(model: ModelInfo) -> ModelFacts:
     """Return what ``--format json`` prints of a model."""
     models = model.models
     scans, images = models.collision, models.appearance
@@ -75,12 +92,12 @@ def model_text(model: ModelInfo) -> str:
     """Lay out what a model knows."""
     facts = model_facts(model)
     lines = [f"{printable(str(model.path))}: model of profile {facts['profile']}"]
-    if facts["clusters"] is not None:
+    if facts["clusters"] is not None and facts["meta_points"] is not None:
         lines.append(
             f"  scans: {facts['feature']}, {facts['bins']} bins: "
             f"{count(facts['clusters'], 'cluster')}, {count(facts['meta_points'], 'meta-point')}"
         )
-    if facts["image_clusters"] is not None:
+    if facts["image_clusters"] is not None and facts["exemplars"] is not None:
         lines.append(
             f"  images: {count(facts['image_clusters'], 'cluster')} of patches, "
             f"{count(facts['exemplars'], 'exemplar')}"

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 FEATURES = tuple(name for name in SCAN_FEATURE_NAMES if name != "inverse-min")  # that is robust's
-FILE = click.Path(dir_okay=False, path_type=Path)
+FILE, LOG = click.Path(dir_okay=False, path_type=Path), click.Path(readable=False)
 
 
 def _together(*decorators: Callable[[Command], Command]) -> Callable[[Command], Command]:
@@ -31,7 +31,7 @@ def _together(*decorators: Callable[[Command], Command]) -> Callable[[Command], 
 def logs(*, required: bool) -> Callable[[Command], Command]:
     """Add the LOG arguments and everything that says what to read from them."""
     return _together(
-        click.argument("logs", metavar="LOG...", nargs=-1, required=required),
+        click.argument("logs", metavar="LOG...", nargs=-1, required=required, type=LOG),
         click.option("--scan-topic", metavar="TOPIC", help="Laser scans to read."),
         click.option("--image-topic", metavar="TOPIC", help="Camera images to read."),
         click.option(

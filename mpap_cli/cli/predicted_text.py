@@ -1,6 +1,7 @@
 """What ``mpap predict`` prints, as text or as one row for programs."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from mpap_cli.commands.predict import Predicted
 from mpap_cli.commands.predicting.images import PredictedImages
@@ -14,27 +15,29 @@ from mpap_cli.outputs.text_table import count, printable
 class PredictedRow:
     """What ``predict --format csv`` prints, and json; what was not predicted is None."""
 
-    logs: int
-    scans: int | None
-    predicted: int | None
-    novel: int | None
-    presses_judged: int | None
-    presses_announced: int | None
-    median_lead_s: float | None
-    false_alarms_per_min: float | None
-    images: int | None
-    patches: int | None
-    obstacle_patches: int | None
-    unknown_patches: int | None
-    straight: int | None
-    rotate_left: int | None
-    rotate_right: int | None
-    stop: int | None
-    contacts: int | None
-    contacts_foreseen: int | None
-    stopping_distance_m: float | None
-    stopping_distance_sd_m: float | None
-    stops_measured: int | None
+    logs: Annotated[int, "logs that were read"]
+    scans: Annotated[int | None, "scans in them"]
+    predicted: Annotated[int | None, "scans from `--threshold` up"]
+    novel: Annotated[int | None, "scans unlike anything learnt"]
+    presses_judged: Annotated[int | None, "presses that could be announced"]
+    presses_announced: Annotated[int | None, "those that were"]
+    median_lead_s: Annotated[float | None, "median time from announcement to onset"]
+    false_alarms_per_min: Annotated[float | None, "alarms wholly outside contact, a minute"]
+    images: Annotated[int | None, "images"]
+    patches: Annotated[int | None, "patches of images"]
+    obstacle_patches: Annotated[int | None, "those that are obstacles"]
+    unknown_patches: Annotated[int | None, "those like none learnt"]
+    straight: Annotated[int | None, "images after which the robot would go straight on"]
+    rotate_left: Annotated[int | None, "images after which it would turn left"]
+    rotate_right: Annotated[int | None, "images after which it would turn right"]
+    stop: Annotated[int | None, "images after which it would stop"]
+    contacts: Annotated[int | None, "presses with images before them"]
+    contacts_foreseen: Annotated[int | None, "those before which it would have stopped or turned"]
+    stopping_distance_m: Annotated[
+        float | None, "mean distance of the thing ahead when the decision turned against going on"
+    ]
+    stopping_distance_sd_m: Annotated[float | None, "standard deviation of that"]
+    stops_measured: Annotated[int | None, "decisions with a range ahead"]
 
 
 def predicted_row(predicted: Predicted) -> PredictedRow:

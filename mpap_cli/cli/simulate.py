@@ -83,6 +83,7 @@ Examples:
     type=click.Choice(LIGHTS),
     help="Light, and the settings of the camera in it (default day).",
 )
+@options.table_format
 @options.talk
 def simulate(**words: Any) -> None:
     """Write the log of a simulated robot with laser, bumper, odometry, camera, and the truth.
@@ -92,20 +93,17 @@ def simulate(**words: Any) -> None:
     LOG.patches.csv (how much floor, wall and obstacle each patch of an image shows) and
     LOG.images.csv (how far the way ahead is free).
     """
+    from mpap_cli.cli.simulated_text import print_simulated
     from mpap_cli.commands.simulate import container_for
     from mpap_cli.commands.simulate import simulate as run
 
-    log = words.pop("log")
+    log, shape = words.pop("log"), words.pop("shape")
     container = words.pop("container") or container_for(log)
     camera = _camera(words)
     written = run(
         log, camera=camera, container=container, duration_s=words.pop("duration"), **words
     )
-    images = "" if camera is None else f"{written.n_images} images, "
-    click.echo(
-        f"{written.path}: {written.n_scans} scans, {images}{len(written.contacts)} contacts; "
-        f"truth: {written.truth_path}"
-    )
+    print_simulated(written, shape, camera=camera is not None)
 
 
 def _camera(words: dict[str, Any]) -> dict[str, Any] | None:

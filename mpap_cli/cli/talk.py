@@ -23,5 +23,17 @@ def talk_on_stderr(*, verbose: bool) -> None:
 
 
 def be_quiet() -> None:
-    """Say errors only."""
-    logging.getLogger("mpap_cli").setLevel(logging.ERROR)
+    """Say errors only; what is warned of still stands beside the results."""
+    for handler in _talking():
+        handler.setLevel(logging.ERROR)
+
+
+def is_quiet() -> bool:
+    """Tell whether only errors are said."""
+    return any(handler.level >= logging.ERROR for handler in _talking())
+
+
+def _talking() -> list[logging.Handler]:
+    """Return the handlers that write on stderr."""
+    handlers = logging.getLogger("mpap_cli").handlers
+    return [handler for handler in handlers if isinstance(handler, logging.StreamHandler)]

@@ -26,6 +26,8 @@ from mpap_cli.observations import BoolArray, IntArray
 from mpap_cli.params import MetaPointParams
 from mpap_cli.params.checks import key_of
 
+_NEARER_MEANS, _NEARER_EXEMPLARS = 0.5, 0.9  # of theta: where two cluster-points are one
+
 
 def merge_meta_points(
     leaves: Sequence[MetaPoints], log_maps: Sequence[IntArray] | None = None
@@ -54,19 +56,20 @@ def merge_meta_points(
     -----
     Meta-points are placed one after the other, cluster-points first, those with more
     points earlier. One that is within theta of a placed one joins the nearest; two
-    cluster-points join only within theta / 2, else too few of them would be left. What
-    joined a cluster-point, or has got ``min_points`` points, is a cluster-point.
+    cluster-points join only within 0.9 theta, or theta / 2 if distances go to means, which
+    drift apart: so about as many of them are left as one history of all logs would have.
+    What joined a cluster-point, or has got ``min_points`` points, is a cluster-point.
     """
     _check_alike(leaves)
-    params, normalised = leaves[0].params, leaves[0].normalised
+    params, normalized = leaves[0].params, leaves[0].normalized
     parts = _sorted_parts(leaves, log_maps)
-    rows, is_cluster_point = _merged(parts, params, normalised=normalised)
+    rows, is_cluster_point = _merged(parts, params, normalized=normalized)
     is_cluster_point |= rows.point_count[: len(is_cluster_point)] >= params.min_points
     rows.kind[: len(is_cluster_point)] = np.where(is_cluster_point, CLUSTER_POINT, NOISE_POINT)
     recount(rows)
     rows.totals[N_DROPPED] = sum(leaf.n_dropped for leaf in leaves)
     _drop_surplus(rows, params.max_noise)
-    return MetaPoints.from_state(params, pack(rows, normalised=normalised))
+    return MetaPoints.from_state(params, pack(rows, normalized=normalized))
 
 
 def _check_alike(leaves: Sequence[MetaPoints]) -> None:
@@ -81,7 +84,7 @@ def _check_alike(leaves: Sequence[MetaPoints]) -> None:
                 key = key_of(item.name)
                 msg = f"cannot merge: {key} is {wanted} and {found}; learn with one {key}"
                 raise ModelError(msg)
-        if (leaf.n_dims, leaf.normalised) != (first.n_dims, first.normalised):
+        if (leaf.n_dims, leaf.normalized) != (first.n_dims, first.normalized):
             msg = f"cannot merge: points have {first.n_dims} and {leaf.n_dims} coordinates"
             raise ModelError(msg)
 
@@ -118,7 +121,7 @@ def _sort_key(parts: Rows, row: int) -> tuple[int | bytes, ...]:
     )
 
 
-def _merged(parts: Rows, params: MetaPointParams, *, normalised: bool) -> tuple[Rows, BoolArray]:
+def _merged(parts: Rows, params: MetaPointParams, *, normalized: bool) -> tuple[Rows, BoolArray]:
     """Place or join each part in turn; tell which rows hold a cluster-point."""
     from mpap_cli.clustering.meta_point_rows import _kernels  # noqa: PLC0415  # slow: numba
 
@@ -126,8 +129,9 @@ def _merged(parts: Rows, params: MetaPointParams, *, normalised: bool) -> tuple[
     rows = empty_rows(n, d)
     # every placed row is on one list, that of the noise-points, until all is done
     index = build_index(rows, widest_axes(parts.references) if n else np.zeros(0, np.int64))
-    near = rules_of(params, normalised=normalised, length=longest(parts.references))
-    nearer = near._replace(bound=near.bound / 4)
+    near = rules_of(params, normalized=normalized, length=longest(parts.references))
+    share = _NEARER_MEANS if near.by_mean else _NEARER_EXEMPLARS
+    nearer = near._replace(bound=near.bound * share**2)
     lower = np.empty(n, np.float32)
     is_cluster_point = np.zeros(n, np.bool_)
     for part, kind in enumerate(parts.kind):
@@ -141,10 +145,19 @@ def _merged(parts: Rows, params: MetaPointParams, *, normalised: bool) -> tuple[
             _join(rows, row, parts, part)
             if rules.by_mean:
                 one = slice(row, row + 1)
-                mean = means(rows.sums[one], rows.point_count[one], normalised=normalised)
+                mean = means(rows.sums[one], rows.point_count[one], normalized=normalized)
                 rows.references[one] = mean
             slot = index.slot[row]
-            _kernels.locate(index.near, NOISE_POINT, slot, index.axes, rows.references, row)
+            _kernels.locate(
+                index.near,
+                index.copies,
+                index.halves,
+                NOISE_POINT,
+                slot,
+                index.axes,
+                rows.references,
+                row,
+            )
         else:
             row = _kernels.create_row(rows, parts.first_ns[part])
             _place(rows, row, parts, part)

@@ -7,6 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpap_cli.clustering.affinity_propagation import affinity_propagation, weighted_similarities
+from mpap_cli.clustering.meta_point_rows.adding.products import (
+    Block,
+    ProductFilter,
+    are_worth_it,
+    part_of,
+)
 from mpap_cli.clustering.meta_point_rows.arrays import MetaPointArrays
 from mpap_cli.clustering.meta_point_rows.state import pack, unpack
 from mpap_cli.clustering.meta_point_rows.tables import (
@@ -25,6 +31,7 @@ from mpap_cli.distance import similarities
 from mpap_cli.observations import (
     Clustering,
     Float32Array,
+    Float64Array,
     Int8Array,
     IntArray,
 )
@@ -52,7 +59,7 @@ class MetaPoints(MetaPointArrays):
         ``theta`` is a distance (the paper calls it theta_similarity).
     n_dims : int
         Coordinates of a point.
-    normalised : bool
+    normalized : bool
         Whether points are embedded histograms (equation 7, means of length 1), or any
         points at Euclidean distances.
 
@@ -64,18 +71,19 @@ class MetaPoints(MetaPointArrays):
 
     Examples
     --------
-    >>> points = MetaPoints(MetaPointParams(theta=1.0), n_dims=1, normalised=False)
+    >>> points = MetaPoints(MetaPointParams(theta=1.0), n_dims=1, normalized=False)
     >>> x = np.array([[0.0], [0.5], [9.0]], np.float32)
     >>> ids, cases = points.add_data_points(x, np.arange(3))
     >>> ids.tolist(), cases.tolist(), points.is_cluster_point.tolist()
     ([0, 0, 1], [3, 2, 3], [True, False])
     """
 
-    def __init__(self, params: MetaPointParams, n_dims: int, *, normalised: bool = True) -> None:
+    def __init__(self, params: MetaPointParams, n_dims: int, *, normalized: bool = True) -> None:
         self.params = params
         self.n_dims = n_dims
-        self.normalised = normalised
+        self.normalized = normalized
         self._set_rows(empty_rows(0, n_dims))
+        self._filter = ProductFilter()
 
     def _set_rows(self, rows: Rows) -> None:
         """Take over tables of meta-points; the index is made when it is needed."""
@@ -115,37 +123,42 @@ class MetaPoints(MetaPointArrays):
         if points.shape != (m, self.n_dims) or stamps.shape != (m,):
             msg = f"features {points.shape} at {stamps.shape} stamps, expected (m, {self.n_dims})"
             raise ValueError(msg)
-        if not np.isfinite(points).all():
-            msg = "features: found a coordinate that is not finite"
-            raise ValueError(msg)
-        self._length = longest(points, self._length)
         out = np.empty(m, np.int64), np.empty(m, np.int8)
-        for start in range(0, m, _BLOCK):
-            part = slice(start, start + _BLOCK)
-            self._add_block(points[part], stamps[part], log_index, (out[0][part], out[1][part]))
+        if m:
+            block = Block(points, self._halves(points), stamps, out[0], out[1], log_index)
+            for start in range(0, m, _BLOCK):
+                self._add_block(part_of(block, start, start + _BLOCK))
         return out
 
-    def _add_block(
-        self,
-        points: Float32Array,
-        stamps_ns: IntArray,
-        log_index: int,
-        out: tuple[IntArray, Int8Array],
-    ) -> None:
-        """Make room, renew the index if it has become stale, and run the kernel."""
-        from mpap_cli.clustering.meta_point_rows import _kernels  # noqa: PLC0415  # slow: numba
+    def _halves(self, points: Float32Array) -> Float64Array:
+        """Return half of the squared length of each point; note the longest one."""
+        from mpap_cli.clustering.meta_point_rows.distances import _kernels  # noqa: PLC0415  # slow: numba
 
+        halves = np.empty(len(points))
+        _kernels.half_squares(points, halves)
+        largest = halves.max()
+        if not np.isfinite(largest):
+            msg = "features: found a coordinate that is not finite"
+            raise ValueError(msg)
+        self._length = max(self._length, float(np.sqrt(2.0 * largest)))
+        return halves
+
+    def _add_block(self, block: Block) -> None:
+        """Make room, renew the index if it has become stale, and run the kernel."""
+        points = block.points
         kept = kept_rows(self._rows)
         full = self._rows.totals[N_ROWS] + len(points) > len(self._rows.kind)
         if full:
             self._rows = resized(self._rows, len(points))
             kept = kept_rows(self._rows)
-        if full or len(kept) >= 2 * self._n_indexed:
+        rules = rules_of(self.params, normalized=self.normalized, length=self._length)
+        products = are_worth_it(rules, len(kept), self.n_dims)
+        unfit = bool(self._index.copies.shape[2]) and not products
+        if full or unfit or len(kept) >= 2 * self._n_indexed:
             spread = self._rows.references[kept] if len(kept) >= _ENOUGH_ROWS else points
-            self._index = build_index(self._rows, widest_axes(spread))
+            self._index = build_index(self._rows, widest_axes(spread), with_copies=products)
             self._n_indexed = len(kept)
-        rules = rules_of(self.params, normalised=self.normalised, length=self._length)
-        _kernels.add_block(self._rows, self._index, rules, points, stamps_ns, log_index, *out)
+        self._filter.add(self._rows, self._index, rules, block)
 
     def cluster(self, params: AffinityParams) -> Clustering:
         """Cluster the exemplars of the cluster-points by affinity propagation.
@@ -156,7 +169,7 @@ class MetaPoints(MetaPointArrays):
             Its items are the cluster-points, in the order of their rows.
         """
         members = self.is_cluster_point
-        s = similarities(self.exemplars[members], params.similarity, normalised=self.normalised)
+        s = similarities(self.exemplars[members], params.similarity, normalized=self.normalized)
         preference = resolve_preference(s, params.preference)
         if params.weights == "count":
             s, diagonal = weighted_similarities(s, self.count[members], preference)
@@ -165,7 +178,7 @@ class MetaPoints(MetaPointArrays):
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that was learnt as plain arrays, for a model file."""
-        return pack(self._rows, normalised=self.normalised)
+        return pack(self._rows, normalized=self.normalized)
 
     @classmethod
     def from_state(cls, params: MetaPointParams, state: Mapping[str, NDArray[Any]]) -> Self:
@@ -176,7 +189,7 @@ class MetaPoints(MetaPointArrays):
         ModelError
             If an array is missing or its shape, type or values cannot be.
         """
-        rows, normalised = unpack(state, by_mean=params.reference == "mean")
-        points = cls(params, rows.sums.shape[1], normalised=normalised)
+        rows, normalized = unpack(state, by_mean=params.reference == "mean")
+        points = cls(params, rows.sums.shape[1], normalized=normalized)
         points._set_rows(rows)
         return points

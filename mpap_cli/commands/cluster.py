@@ -17,6 +17,7 @@ from mpap_cli.evaluation.clusterers.methods import CLUSTERERS, is_there, warm_up
 from mpap_cli.evaluation.clusterers.records import Clusterer, ClustererSettings, LabelledPoints
 from mpap_cli.evaluation.clusterers.scores import ClusteringRow, score_clustering
 from mpap_cli.outputs.patch_pictures import write_members
+from mpap_cli.outputs.report.page import redraw
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.tables import write_csv
 from mpap_cli.params import settings_values
@@ -103,6 +104,7 @@ def cluster(settings: SettingsRequest, request: ClusterRequest) -> Clustered:
             "methods": ",".join(request.methods) or "all",
         }
         results.commit(values, patches.inputs, seed)
+    redraw(request.out)
     return Clustered(
         folder=results.folder,
         rows=rows,

@@ -10,7 +10,7 @@ from mpap_cli.commands.evaluating.observed import (
     observe_logs,
 )
 from mpap_cli.commands.evaluating.outputs import write_evaluation
-from mpap_cli.commands.evaluating.summary import summarise
+from mpap_cli.commands.evaluating.summary import summarize
 from mpap_cli.commands.evaluating.variants import make_variants
 from mpap_cli.commands.inputs.models import load_collision_model, recorded_beside
 from mpap_cli.commands.inputs.progress import Progress, no_progress
@@ -27,6 +27,7 @@ from mpap_cli.evaluation.targets import Target, parse_target
 from mpap_cli.observations import Press
 from mpap_cli.outputs.evaluate_text import EvaluateSummary
 from mpap_cli.outputs.model_file import find_model
+from mpap_cli.outputs.report.page import redraw
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.results_reader import InputFile, describe_input
 from mpap_cli.properties.press_files import presses_from_csv, presses_of_log, rows_of_logs
@@ -117,10 +118,11 @@ def evaluate(
             [*observed.inputs, *_files_asked(request)],
             variants[0].settings.affinity.seed,
         )
+    redraw(request.out)
     return Evaluated(
         folder=results.folder,
         rows=[marks.row for marks in evaluation.marks],
-        summary=summarise(evaluation, question, variants, settings, learnt=learnt is not None),
+        summary=summarize(evaluation, question, variants, settings, learnt=learnt is not None),
         exit_code=observed.exit_code,
     )
 

@@ -3,18 +3,21 @@
 import logging
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeGuard
 
 import numpy as np
 
-from mpap_cli.commands.inputs.models import Models, load_models
+from mpap_cli.commands.facts import LogFacts
 from mpap_cli.commands.inputs.press_file import presses_by_hand
 from mpap_cli.commands.inputs.press_tracking import LogPresses
+from mpap_cli.commands.inputs.progress import Progress, no_progress
+from mpap_cli.commands.inputs.replaying import follow
 from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.commands.inputs.sources import DAMAGED, Source, open_readable, survey_source
 from mpap_cli.commands.log_facts import (
     bump_facts,
     can_learn,
+    count_lost,
     first_frame,
     image_facts,
     scan_facts,
@@ -23,9 +26,13 @@ from mpap_cli.commands.log_facts import (
 )
 from mpap_cli.errors import LogError
 from mpap_cli.features.images.image_decode import decode_frame
-from mpap_cli.logs.reader import expand_paths
+from mpap_cli.logs.reader import LogPath, expand_paths
 from mpap_cli.observations import NS_PER_S, BoolArray, IntArray, Press
+from mpap_cli.outputs.model_file import has_model
 from mpap_cli.params import BumperParams, make_settings
+
+if TYPE_CHECKING:
+    from mpap_cli.commands.inputs.models import Models
 
 LOGGER = logging.getLogger(__name__)
 
@@ -35,7 +42,7 @@ class LogInfo:
     """What one log holds; ``facts`` are the keys of ``--format json`` in their order."""
 
     name: str
-    facts: dict[str, Any]
+    facts: LogFacts
     reasons: dict[str, str]
     shares: dict[str, float]
 
@@ -45,7 +52,7 @@ class ModelInfo:
     """What a model knows, and from which logs."""
 
     path: Path
-    models: Models
+    models: "Models"
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,13 +69,15 @@ class Infos:
         return DAMAGED if damaged or self.unreadable else 0
 
 
-def info(selection: LogSelection) -> Infos:
+def info(selection: LogSelection, progress: Progress = no_progress) -> Infos:
     """Look at logs, or at models and results folders.
 
     Parameters
     ----------
     selection : LogSelection
         Paths, the topics to take, and what makes a press.
+    progress : Progress, optional
+        Told how far each log is.
 
     Returns
     -------
@@ -89,12 +98,12 @@ def info(selection: LogSelection) -> Infos:
     n_read = 0
     for path in paths:
         if _is_model(path):
-            infos.found.append(ModelInfo(path, load_models(path)))
+            infos.found.append(_model_info(path))
             continue
         try:
             with open_readable(path, selection) as reader:
                 source = survey_source(reader, n_read, selection, settings, by_hand, required=False)
-                infos.found.append(_log_info(source))
+                infos.found.append(_log_info(source, progress))
                 n_read += 1
         except LogError as error:
             if selection.strict or len(paths) == 1:
@@ -107,38 +116,49 @@ def info(selection: LogSelection) -> Infos:
     return infos
 
 
-def _paths(word: str) -> list[Path]:
+def _model_info(path: Path) -> ModelInfo:
+    """Load a model."""
+    # what models are made of takes longer to import than a log to read
+    from mpap_cli.commands.inputs.models import load_models  # noqa: PLC0415
+
+    return ModelInfo(path, load_models(path))
+
+
+def _paths(word: str) -> list[LogPath]:
     """Return the model or the logs that a word names."""
     return [Path(word)] if _is_model(Path(word)) else expand_paths([word])
 
 
-def _is_model(path: Path) -> bool:
-    """Tell a model file or results folder from a log."""
+def _is_model(path: LogPath) -> TypeGuard[Path]:
+    """Tell a model file or results folder on this machine from a log."""
+    if not isinstance(path, Path):
+        return False
     if path.is_dir():
-        return any((path / place / "model.npz").is_file() for place in ("learn", "merge"))
+        return has_model(path)
     return path.suffix == ".npz"
 
 
-def _log_info(source: Source) -> LogInfo:
+def _log_info(source: Source, progress: Progress) -> LogInfo:
     """Read what a log holds: its topics, and the scans and bumps in full."""
     reader, roles, survey = source.reader, source.roles, source.survey
-    presses, stamps_ns = _replay(source)
+    presses, stamps_ns = _replay(source, progress)
     pressed = _pressed(stamps_ns, presses)
     bump = bump_facts(source, presses, pressed) if presses is not None else None
     frame = first_frame(reader, roles)
     image = decode_frame(frame) if frame is not None else None
     undecoded = roles.image is not None and image is None
     several = roles.image is None and roles.image_candidates
-    facts = {
+    lost = count_lost(reader)
+    facts: LogFacts = {
         "path": str(reader.path),
         "container": reader.container,
         "start_stamp_ns": reader.start_ns,
         "duration_s": (reader.end_ns - reader.start_ns) / NS_PER_S,
-        "messages": reader.n_messages,
+        "messages": reader.n_messages - lost.total(),
         "topics": topic_facts(reader, roles),
         "bump": bump,
         "scan": scan_facts(roles, survey, len(stamps_ns)),
-        "image": image_facts(roles, frame, image),
+        "image": image_facts(roles, frame, image, lost),
         "damage": [item.text for item in reader.damage],
         "warnings": [
             *reader.warnings,
@@ -158,11 +178,11 @@ def _log_info(source: Source) -> LogInfo:
     return LogInfo(reader.path.name, facts, reasons, survey.no_return_shares)
 
 
-def _replay(source: Source) -> tuple[tuple[Press, ...] | None, IntArray]:
+def _replay(source: Source, progress: Progress) -> tuple[tuple[Press, ...] | None, IntArray]:
     """Return the presses (None without a bumper) and the stamps of all scans."""
     presses = LogPresses(source, BumperParams())
     stamps = [np.empty(0, dtype=np.int64)]
-    for batch in source.batches():
+    for batch, _ in follow(source, 1, progress, "read"):
         stamps.extend(block.stamps_ns for block in batch.scans)
         presses.add(batch)
     return presses.end(), np.concatenate(stamps)

@@ -1,9 +1,10 @@
 """What ``info`` says of each sensor of a log, and of what could be learnt from it."""
 
-from typing import Any
+from collections import Counter
 
 import numpy as np
 
+from mpap_cli.commands.facts import BumpFacts, ImageFacts, ScanFacts, TopicFacts
 from mpap_cli.commands.inputs.sources import Source
 from mpap_cli.errors import LogError
 from mpap_cli.features.images.image_decode import Image
@@ -39,19 +40,33 @@ def rate(n_messages: int, duration_ns: int) -> float | None:
     return round(n_messages * NS_PER_S / duration_ns, 2)
 
 
-def topic_facts(reader: LogReader, roles: Roles) -> list[dict[str, Any]]:
-    """Describe every topic."""
+def count_lost(reader: LogReader) -> Counter[tuple[str, str]]:
+    """Count by name and type of the topic what broken chunks and rows have lost so far."""
+    lost: Counter[tuple[str, str]] = Counter()
+    for damage in reader.damage:
+        lost.update(damage.lost)
+    return lost
+
+
+def topic_facts(reader: LogReader, roles: Roles) -> list[TopicFacts]:
+    """Describe every topic; messages that are lost do not count, but their bytes do."""
     duration_ns = reader.end_ns - reader.start_ns
-    return [
-        {
-            "name": topic.name,
-            "type": topic.msgtype,
-            "messages": topic.n_messages,
-            "hz": rate(topic.n_messages, duration_ns),
-            "role": role(roles, topic.name),
-        }
-        for topic in reader.topics
-    ]
+    lost, sizes = count_lost(reader), reader.topic_bytes()
+    facts: list[TopicFacts] = []
+    for topic in reader.topics:
+        key = topic.name, topic.msgtype
+        n_messages = topic.n_messages - min(lost[key], topic.n_messages)
+        facts.append(
+            {
+                "name": topic.name,
+                "type": topic.msgtype,
+                "messages": n_messages,
+                "hz": rate(n_messages, duration_ns),
+                "role": role(roles, topic.name),
+                "bytes": None if sizes is None else sizes.get(key, 0),
+            }
+        )
+    return facts
 
 
 def undefined_facts(reader: LogReader) -> list[str]:
@@ -64,7 +79,7 @@ def undefined_facts(reader: LogReader) -> list[str]:
     return [f"no definition of {names}{more}; to use them name their folder with --msgs DIR"]
 
 
-def bump_facts(source: Source, presses: tuple[Press, ...], pressed: BoolArray) -> dict[str, Any]:
+def bump_facts(source: Source, presses: tuple[Press, ...], pressed: BoolArray) -> BumpFacts:
     """Describe the bumper; of presses from scans or a file the semantics only."""
     roles = source.roles.bumps
     return {
@@ -77,7 +92,7 @@ def bump_facts(source: Source, presses: tuple[Press, ...], pressed: BoolArray) -
     }
 
 
-def scan_facts(roles: Roles, survey: Survey, n_scans: int) -> dict[str, Any] | None:
+def scan_facts(roles: Roles, survey: Survey, n_scans: int) -> ScanFacts | None:
     """Describe the laser scans."""
     if roles.scan is None or survey.geometry is None:
         return None
@@ -109,16 +124,19 @@ def first_frame(reader: LogReader, roles: Roles) -> Frame | None:
         return None
 
 
-def image_facts(roles: Roles, frame: Frame | None, image: Image | None) -> dict[str, Any] | None:
+def image_facts(
+    roles: Roles, frame: Frame | None, image: Image | None, lost: Counter[tuple[str, str]]
+) -> ImageFacts | None:
     """Describe the camera by its first image; no size if that is broken."""
     if roles.image is None:
         return None
     height, width = (frame.height or None, frame.width or None) if frame else (None, None)
     if image is not None:
         height, width = image.shape[:2]
+    n_lost = lost[roles.image.name, roles.image.msgtype]
     return {
         "topic": roles.image.name,
-        "images": roles.image.n_messages,
+        "images": roles.image.n_messages - min(n_lost, roles.image.n_messages),
         "width": width,
         "height": height,
         "encoding": frame.encoding if frame is not None else None,

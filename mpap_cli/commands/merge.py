@@ -5,16 +5,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mpap_cli.commands.inputs.hints import tell_of_model
-from mpap_cli.commands.inputs.models import Models, load_models, save_models
-from mpap_cli.commands.learn import CLUSTERS, MODEL, Learnt, learnt_of
+from mpap_cli.commands.inputs.models import Models, load_models
+from mpap_cli.commands.learning.summary import Learnt, write_learnt
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
 from mpap_cli.errors import ModelError, UsageError
 from mpap_cli.outputs.model_file import find_model
+from mpap_cli.outputs.report.page import redraw
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.results_reader import InputFile, describe_input
-from mpap_cli.outputs.tables import write_csv
 from mpap_cli.params import settings_values
-from mpap_cli.systems.cluster_rows import ClusterRow
 from mpap_cli.systems.collision import CollisionModel
 from mpap_cli.systems.merging import merge_models
 
@@ -50,11 +49,10 @@ def merge(models: Sequence[Path], out: Path) -> Learnt:
         inputs = _inputs(models)
         merged = merge_models([_laser_part(path) for path in models])
         tell_of_model(merged)
-        learnt = learnt_of(Models(merged.settings, merged), results.folder, exit_code=0)
-        write_csv(results.path(CLUSTERS), ClusterRow, learnt.clusters)
-        save_models(results.path(MODEL), Models(merged.settings, merged))
+        learnt = write_learnt(results, Models(merged.settings, merged), exit_code=0)
         settings = {**settings_values(merged.settings), "profile": merged.settings.profile}
         results.commit(settings, inputs, merged.settings.affinity.seed)
+    redraw(out)
     return learnt
 
 

@@ -13,6 +13,7 @@ from mpap_cli.commands.predicting.request import PredictRequest
 from mpap_cli.commands.predicting.scans import PredictedScans, predict_scans
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
 from mpap_cli.outputs.model_file import find_model
+from mpap_cli.outputs.report.page import redraw
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.results_reader import describe_input
 
@@ -82,6 +83,7 @@ def predict(
         parts = [part for part in (scans, images) if part is not None]
         inputs = [*parts[0].inputs, describe_input(find_model(request.model))]
         results.commit(values, inputs, models.settings.affinity.seed)
+    redraw(request.out)
     return Predicted(
         folder=results.folder,
         n_logs=len(parts[0].inputs),

@@ -4,7 +4,6 @@ import logging
 import multiprocessing
 import os
 import signal
-import tempfile
 import threading
 import time
 from collections.abc import Iterator, Sequence
@@ -24,6 +23,8 @@ from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
 from mpap_cli.errors import UsageError
 from mpap_cli.evaluation.reproduced import ITEMS, Finding, Picture, ReproducedRow
 from mpap_cli.logs.reader import expand_paths
+from mpap_cli.logs.scratch import ScratchFolder
+from mpap_cli.outputs.report.page import redraw
 from mpap_cli.outputs.reproduced_text import markdown
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.tables import write_csv
@@ -92,6 +93,7 @@ def reproduce(request: ReproduceRequest) -> Reproduced:
         results.path("reproduced.md").write_text(text, encoding="utf-8")
         inputs = [item for one in found for item in one.inputs]
         results.commit(_values(request), inputs, request.seed)
+    redraw(request.out)
     return Reproduced(
         folder=results.folder,
         rows=rows,
@@ -131,8 +133,11 @@ def _values(request: ReproduceRequest) -> dict[str, object]:
 @contextmanager
 def _scratch() -> Iterator[Path]:
     """Give a folder for what is thrown away."""
-    with tempfile.TemporaryDirectory(prefix="mpap-reproduce-") as folder:
-        yield Path(folder)
+    folder = ScratchFolder("mpap-reproduce-")
+    try:
+        yield folder.path
+    finally:
+        folder.remove()
 
 
 def _in_order(

@@ -4,6 +4,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
 from mpap_cli.errors import MpapError, SettingError, UsageError
 from mpap_cli.params import PROFILES, Settings, make_settings, setting_fields, settings_values
@@ -41,11 +42,11 @@ class SettingsRequest:
 class SettingRow:
     """One line of ``mpap config``."""
 
-    key: str
-    value: str
-    origin: str
-    section: str
-    meaning: str
+    key: Annotated[str, "name for `--set`"]
+    value: Annotated[str, "its value"]
+    origin: Annotated[str, "default, profile, file or command line"]
+    section: Annotated[str, "section of the paper; `ours` is not in it"]
+    meaning: Annotated[str, "what it does"]
 
 
 def profile_of(request: SettingsRequest) -> str:

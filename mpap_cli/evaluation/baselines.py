@@ -23,15 +23,15 @@ BLOCK = 256
 class ReadOut:
     """What the baselines share with the model: its kernel, and the seed.
 
-    ``theta`` is the width of the kernel (a distance), ``neighbours`` how many references
-    are asked, ``prior_counts`` the pseudo-counts at the base rate, ``n_centres`` the
+    ``theta`` is the width of the kernel (a distance), ``neighbors`` how many references
+    are asked, ``prior_counts`` the pseudo-counts at the base rate, ``n_centers`` the
     number of meta-points of the model.
     """
 
     theta: float
-    neighbours: int
+    neighbors: int
     prior_counts: float
-    n_centres: int
+    n_centers: int
     seed: int
 
 
@@ -110,27 +110,27 @@ def fit_scans(rows: FloatArray, labels: BoolArray, read_out: ReadOut) -> Fitted:
     return _kernel_over(rows, labels.astype(np.float64), np.ones(labels.size), read_out)
 
 
-def fit_centres(rows: FloatArray, labels: BoolArray, read_out: ReadOut) -> Fitted:
-    """Kernel read-out over k-means centres, as many as the model has meta-points.
+def fit_centers(rows: FloatArray, labels: BoolArray, read_out: ReadOut) -> Fitted:
+    """Kernel read-out over k-means centers, as many as the model has meta-points.
 
-    At most ``MAX_CENTRES``, and not more than there are distinct scans. Centres are
+    At most ``MAX_CENTRES``, and not more than there are distinct scans. Centers are
     brought back to length 1, like the means of meta-points.
     """
     from sklearn.cluster import KMeans  # noqa: PLC0415  # start-up
     from threadpoolctl import threadpool_limits  # noqa: PLC0415  # start-up
 
     distinct = np.unique(rows, axis=0).shape[0]
-    n_centres = max(1, min(read_out.n_centres, MAX_CENTRES, distinct))
-    model = KMeans(n_centres, n_init=1, random_state=read_out.seed)
-    # Sums over threads come in any order; one thread gives the same centres each time.
+    n_centers = max(1, min(read_out.n_centers, MAX_CENTRES, distinct))
+    model = KMeans(n_centers, n_init=1, random_state=read_out.seed)
+    # Sums over threads come in any order; one thread gives the same centers each time.
     with threadpool_limits(limits=1):
         member = model.fit_predict(rows)
-    centres = model.cluster_centers_.astype(np.float64)
-    lengths = np.linalg.norm(centres, axis=1, keepdims=True)
-    centres /= np.where(lengths > 0, lengths, 1.0)
-    counts = np.bincount(member, minlength=n_centres).astype(np.float64)
-    positives = np.bincount(member[labels], minlength=n_centres).astype(np.float64)
-    return _kernel_over(centres, positives, counts, read_out)
+    centers = model.cluster_centers_.astype(np.float64)
+    lengths = np.linalg.norm(centers, axis=1, keepdims=True)
+    centers /= np.where(lengths > 0, lengths, 1.0)
+    counts = np.bincount(member, minlength=n_centers).astype(np.float64)
+    positives = np.bincount(member[labels], minlength=n_centers).astype(np.float64)
+    return _kernel_over(centers, positives, counts, read_out)
 
 
 def training_sample(labels: BoolArray, seed: int) -> BoolArray:
@@ -152,7 +152,7 @@ def _kernel_over(
     fixed = references.astype(np.float64)
     pairs = np.stack([counts - positives, positives], axis=1).astype(np.int64)
     base = float(positives.sum() / counts.sum())
-    kernel = Kernel(read_out.theta, read_out.neighbours, read_out.prior_counts)
+    kernel = Kernel(read_out.theta, read_out.neighbors, read_out.prior_counts)
 
     def probability(rows: Float64Array) -> Float64Array:
         return kernel_mean(squared_distances(rows, fixed), pairs, base, kernel)
@@ -174,5 +174,5 @@ BASELINES: dict[str, Baseline] = {
     "logistic-regression": Baseline("raw", fit_logistic),
     "random-forest": Baseline("raw", fit_forest),
     "knn-scans": Baseline("features", fit_scans),
-    "k-means": Baseline("features", fit_centres),
+    "k-means": Baseline("features", fit_centers),
 }

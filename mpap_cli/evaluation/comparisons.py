@@ -122,7 +122,7 @@ def score_baselines(
     asked : Asked
         What all methods share.
     read_out : ReadOut
-        Kernel, number of centres and seed.
+        Kernel, number of centers and seed.
 
     Yields
     ------

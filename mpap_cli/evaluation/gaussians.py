@@ -56,5 +56,5 @@ def plane_gaussians(seed: int, n_noise: int = 0, n_points: int = N_POINTS) -> La
     classes = np.concatenate([classes, np.full(n_noise, -1)])
     order = rng.permutation(len(points))
     return LabelledPoints(
-        features=points[order].astype(np.float32), classes=classes[order], normalised=False
+        features=points[order].astype(np.float32), classes=classes[order], normalized=False
     )

@@ -1,14 +1,26 @@
 """Which logs belong together, so that none of them is learnt while another is scored."""
 
 import csv
+import json
 import re
+import subprocess
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from mpap_cli.errors import MpapError, UsageError
 from mpap_cli.observations import ObservedLog
 
+MOST_SECONDS = 10.0
+"""So long a regular expression may take for all paths: some never end."""
+
 _MOST_SHOWN = 200
+_SEARCH = """
+import json, re, sys
+groups, *paths = json.load(sys.stdin)
+found = [re.search(groups, path) for path in paths]
+print(json.dumps([one and one.group(1) for one in found]))
+"""
 
 
 def group_names(logs: Sequence[ObservedLog], groups: str) -> tuple[str, ...]:
@@ -43,30 +55,46 @@ def group_names(logs: Sequence[ObservedLog], groups: str) -> tuple[str, ...]:
     if groups.endswith(".csv"):
         listed = _listed_groups(Path(groups))
         return tuple(_listed_group(log, listed, groups) for log in logs)
-    expression = _compile(groups)
-    return tuple(_matched_group(log, expression) for log in logs)
+    _check(groups)
+    return _matched_groups([log.path for log in logs], groups)
 
 
-def _compile(groups: str) -> re.Pattern[str]:
-    """Compile a regular expression with a bracket."""
+def _check(groups: str) -> None:
+    """Require a regular expression with a bracket."""
     try:
         expression = re.compile(groups)
-    except re.error as error:
-        msg = f"--groups {groups}: no regular expression: {error}"
+    except (re.error, OverflowError, RecursionError) as error:
+        msg = f"--groups {groups[:_MOST_SHOWN]}: no regular expression: {error}"
         raise UsageError(msg) from error
     if expression.groups == 0:
         msg = f"--groups {groups}: found no bracket; put one around what names the group"
         raise UsageError(msg)
-    return expression
 
 
-def _matched_group(log: ObservedLog, expression: re.Pattern[str]) -> str:
-    """Return what the first bracket matches in the path of a log."""
-    found = expression.search(log.path)
-    if found is None or found.group(1) is None:
-        msg = f"--groups {expression.pattern}: matches nothing in {log.path}; widen it"
-        raise UsageError(msg)
-    return found.group(1)
+def _matched_groups(paths: Sequence[str], groups: str) -> tuple[str, ...]:
+    """Return what the first bracket matches in each path; a process of its own can be ended."""
+    words = [sys.executable, "-I", "-S", "-c", _SEARCH]
+    try:
+        done = subprocess.run(  # noqa: S603  # Python itself, with a text of ours
+            words,
+            input=json.dumps([groups, *paths]),
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=MOST_SECONDS,
+        )
+    except subprocess.TimeoutExpired as error:
+        msg = (
+            f"--groups {groups[:_MOST_SHOWN]}: found no match within {MOST_SECONDS:g} s; "
+            "take out what repeats a repeat"
+        )
+        raise UsageError(msg) from error
+    found: list[str | None] = json.loads(done.stdout)
+    for path, name in zip(paths, found, strict=True):
+        if name is None:
+            msg = f"--groups {groups}: matches nothing in {path}; widen it"
+            raise UsageError(msg)
+    return tuple(name for name in found if name is not None)
 
 
 def _listed_groups(path: Path) -> dict[str, str]:

@@ -136,12 +136,24 @@ class PressJudge:
         A run that touches the second before or after a press belongs to it, however early
         it began. Time counts between scored scans that follow one another, both outside.
         """
-        predicted = self._p >= threshold
-        run = np.cumsum(self._run_starts(predicted))
+        run, predicted = self._runs(threshold)
         touching = np.unique(run[predicted & ~self._outside])
         n_runs = int(run[-1]) if run.size else 0
         alarmed_s = float(self._steps_s @ predicted[:-1])
         return FalseAlarms(n_runs - touching.size, float(self._steps_s.sum()), alarmed_s)
+
+    def false_runs(self, threshold: float) -> list[tuple[int, int]]:
+        """Return the first scan of each of these runs, and the one behind its last."""
+        run, predicted = self._runs(threshold)
+        touching = np.unique(run[predicted & ~self._outside])
+        rows = np.flatnonzero(predicted & ~np.isin(run, touching))
+        parts = np.split(rows, np.flatnonzero(np.diff(run[rows])) + 1)
+        return [(int(part[0]), int(part[-1]) + 1) for part in parts if part.size]
+
+    def _runs(self, threshold: float) -> tuple[IntArray, BoolArray]:
+        """Return the number of the last run up to each scan, and which scans are predicted."""
+        predicted = self._p >= threshold
+        return np.cumsum(self._run_starts(predicted)), predicted
 
     def _run_starts(self, predicted: BoolArray) -> BoolArray:
         """Mark the first scan of each run of predicted scans; NaN is never predicted."""
@@ -150,7 +162,7 @@ class PressJudge:
         return starts
 
 
-def summarise(leads: Sequence[Lead], alarms: Sequence[FalseAlarms]) -> LeadSummary:
+def summarize(leads: Sequence[Lead], alarms: Sequence[FalseAlarms]) -> LeadSummary:
     """Join the leads and false alarms of all logs."""
     judged = [lead.lead_s for lead in leads if lead.lead_s is not None]
     seconds = sum(part.seconds for part in alarms)

@@ -7,6 +7,7 @@ as it learnt on, and the share that the model did not know as it stood when the 
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from mpap_cli.evaluation.novelty_windows import (
     sum_windows,
 )
 from mpap_cli.observations import NS_PER_S, IntArray
+from mpap_cli.systems.columns import LogIndex, LogName, Sensor
 
 _PAST_WINDOWS = 3
 
@@ -34,17 +36,21 @@ class NoveltyRow:
     no model when the log began, ``clusters`` where nobody counted them.
     """
 
-    log: str
-    log_index: int
-    sensor: str
-    window_start_s: float
-    window_end_s: float
-    start_stamp_ns: int
-    observations: int
-    novel: int
-    percent_novel: float
-    percent_unknown_at_start: float | None
-    clusters: int | None
+    log: LogName
+    log_index: LogIndex
+    sensor: Sensor
+    window_start_s: Annotated[
+        float, "begin of the window in seconds since the first message of the log"
+    ]
+    window_end_s: Annotated[float, "its end, at the latest the last observation"]
+    start_stamp_ns: Annotated[int, "begin in nanoseconds, as in the log"]
+    observations: Annotated[int, "scans, or patches of images, in the window"]
+    novel: Annotated[int, "those that the model did not know when they came"]
+    percent_novel: Annotated[float, "their share in percent"]
+    percent_unknown_at_start: Annotated[
+        float | None, "share of the whole log unknown to the model as it stood before"
+    ]
+    clusters: Annotated[int | None, "clusters at the end of the window"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpap_cli.evaluation.history import Presses
-from mpap_cli.evaluation.leads import LeadSummary, PressJudge, summarise
+from mpap_cli.evaluation.leads import LeadSummary, PressJudge, summarize
 from mpap_cli.evaluation.rows import AucRow, OperatingRow
 from mpap_cli.evaluation.visible import Visible
 from mpap_cli.observations import NS_PER_S, Float64Array, IntArray, Press
@@ -112,7 +112,7 @@ def operating_point(judge: PressJudge, visible: Visible, threshold: float) -> Op
     """Judge the presses, of which some were visible, at one threshold."""
     leads, alarms = judge.leads(threshold), [judge.false_alarms(threshold)]
     seen = [lead for lead, one in zip(leads, visible, strict=True) if one]
-    return OperatingPoint(threshold, summarise(leads, alarms), summarise(seen, alarms))
+    return OperatingPoint(threshold, summarize(leads, alarms), summarize(seen, alarms))
 
 
 def _thresholds(at_presses: Float64Array, p: Float64Array) -> list[float]:

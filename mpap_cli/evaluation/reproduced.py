@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -43,16 +43,18 @@ class ReproducedRow:
     the paper prints no such number; ``note`` says what else is to be known.
     """
 
-    experiment: str
-    item: str
-    row: str
-    quantity: str
-    paper: float | None
-    ours: float | None
-    sd: float | None
-    n: int | None
-    seconds: float | None
-    note: str
+    experiment: Annotated[str, "name of the experiment"]
+    item: Annotated[str, "table or figure of the paper, with its part"]
+    row: Annotated[str, "row of that table"]
+    quantity: Annotated[str, "what is measured"]
+    paper: Annotated[float | None, "the paper's number; empty where it prints none"]
+    ours: Annotated[float | None, "mean of the repeats"]
+    sd: Annotated[float | None, "their standard deviation"]
+    n: Annotated[int | None, "number of repeats"]
+    seconds: Annotated[
+        float | None, "a duration, instead of `ours`; alone may differ from run to run"
+    ]
+    note: Annotated[str, "what else is to be known"]
 
 
 class Picture(NamedTuple):

@@ -174,9 +174,9 @@ def _score_baselines(question: Question, first: _Scored, raw: ScanRows) -> list[
         learnt = Sheets(*(make_sheet(past, settings, known[look]) for look in looks))
     read_out = ReadOut(
         theta=settings.meta_point.theta,
-        neighbours=settings.properties.kernel_k,
+        neighbors=settings.properties.kernel_k,
         prior_counts=settings.properties.prior_counts,
-        n_centres=first.marks.row.meta_points or 1,
+        n_centers=first.marks.row.meta_points or 1,
         seed=settings.affinity.seed,
     )
     asked = _asked(question, settings)

@@ -6,6 +6,9 @@ from mpap_cli.errors import UsageError
 from mpap_cli.evaluation.scoring import Variant
 from mpap_cli.params import Settings, make_settings, settings_values
 
+MOST_VALUES = 100
+_MOST_SHOWN = 200
+
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
@@ -21,7 +24,7 @@ def parse_sweep(text: str) -> Sweep:
     Raises
     ------
     UsageError
-        If there is no key or no value.
+        If there is no key or no value, or more than 100 of them.
 
     Examples
     --------
@@ -31,7 +34,11 @@ def parse_sweep(text: str) -> Sweep:
     key, _, listed = text.partition("=")
     values = tuple(value.strip() for value in listed.split(","))
     if not key.strip() or not all(values):
-        msg = f"--sweep: found {text}, expected KEY=V1,V2,...; 'mpap config' lists the keys"
+        shown = text[:_MOST_SHOWN]
+        msg = f"--sweep: found {shown}, expected KEY=V1,V2,...; 'mpap config' lists the keys"
+        raise UsageError(msg)
+    if len(values) > MOST_VALUES:
+        msg = f"--sweep: found {len(values):,} values, expected {MOST_VALUES} at most"
         raise UsageError(msg)
     return Sweep(key.strip(), values)
 

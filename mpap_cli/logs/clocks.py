@@ -1,6 +1,7 @@
 """The two clocks of a log: log time and the stamps of headers."""
 
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from mpap_cli.logs.listing import messages_of
 from mpap_cli.logs.odometry import locate_pose
 from mpap_cli.logs.raw import LogReader, RawMessage, RawRun, Topic
 from mpap_cli.logs.times import is_date
-from mpap_cli.observations import NS_PER_S, IntArray
+from mpap_cli.observations import NS_PER_S
 
 HEADED = frozenset(
     {
@@ -25,6 +26,7 @@ HEADED = frozenset(
 
 _JUMP_NS = NS_PER_S
 _PAUSE_NS = 5 * NS_PER_S
+_LIMITS_NS = np.array([_JUMP_NS, _PAUSE_NS])
 _MOST_PAUSES = 0.5  # of the messages: else they come that seldom
 _HEADER_STAMPS: dict[str, Callable[[RawMessage], int]] = {
     "scan": lambda message: scan_view(message, "header")[0],
@@ -72,19 +74,12 @@ def out_of_turn(reader: LogReader, before: LogReader) -> str:
     return f"starts {over_s:.1f} s before {before.path.name} ends; what both hold counts twice"
 
 
-class _Events:
+class _Events(NamedTuple):
     """How often something happened, when first, and how long it was at most."""
 
-    def __init__(self) -> None:
-        self.n = 0
-        self.first_ns = self.most_ns = 0
-
-    def add(self, lengths_ns: IntArray, moments_ns: IntArray) -> None:
-        """Take in what happened, in time order."""
-        if lengths_ns.size:
-            self.first_ns = self.first_ns if self.n else int(moments_ns[0])
-            self.most_ns = max(self.most_ns, int(lengths_ns.max()))
-            self.n += lengths_ns.size
+    n: int
+    first_ns: int
+    most_ns: int
 
 
 class ClockWatch:
@@ -106,45 +101,42 @@ class ClockWatch:
     def __init__(self, name: str, start_ns: int) -> None:
         self._name = name
         self._start_ns = start_ns
-        self._n_messages = self._n_unset = self._n_falls = 0
-        self._jumps, self._pauses = _Events(), _Events()
-        self._last_ns = np.empty((2, 0), dtype=np.int64)
+        self._n_messages = self._n_unset = 0
+        self._last_ns = np.array([-1, 0, 0], dtype=np.int64)
+        self._found = np.zeros((3, 3), dtype=np.int64)  # jumps, pauses, falls
 
     def add(self, run: RawRun) -> None:
         """Look at the stamps of the next messages."""
+        from mpap_cli.logs import _kernels  # noqa: PLC0415  # numba is slow to import
+
         self._n_messages += len(run)
-        recorded_ns, own_ns = run.stamps_ns, run.stamps_ns
+        own_ns, is_set = run.stamps_ns, np.ones(len(run), dtype=np.bool_)
         if run.topic.msgtype in HEADED and run.topic.encoding in LOCATED:
-            stamps_ns, readable = header_stamps(run)
-            near_start = recorded_ns < _JUMP_NS  # of a simulation, where 0 is a stamp
-            is_set = readable & ((stamps_ns != 0) | near_start)
+            own_ns, readable = header_stamps(run)
+            near_start = run.stamps_ns < _JUMP_NS  # of a simulation, where 0 is a stamp
+            is_set = readable & ((own_ns != 0) | near_start)
             self._n_unset += int(readable.sum() - is_set.sum())
-            recorded_ns, own_ns = recorded_ns[is_set], stamps_ns[is_set]
-        together = np.concatenate([self._last_ns, np.array([recorded_ns, own_ns])], axis=1)
-        steps_ns, own_steps_ns = np.diff(together)
-        parted_ns = np.abs(steps_ns - own_steps_ns)
-        parted, paused = parted_ns > _JUMP_NS, steps_ns > _PAUSE_NS
-        self._jumps.add(parted_ns[parted], together[0, 1:][parted])
-        self._pauses.add(steps_ns[paused], together[0, :-1][paused])
-        self._n_falls += int((own_steps_ns < 0).sum())
-        self._last_ns = together[:, -1:]
+        _kernels.measure_steps(
+            run.stamps_ns, own_ns, is_set, self._last_ns, _LIMITS_NS, self._found
+        )
 
     def findings(self) -> tuple[str, ...]:
         """Say what is odd, one sentence a kind; empty if nothing is."""
+        jumps, pauses, falls = (_Events(*row) for row in self._found.tolist())
         found = []
         if self._n_unset:
             found.append(f"{self._n_unset:,} of {self._n_messages:,} headers have no stamp")
-        if self._n_falls:
-            found.append(f"header stamps fall {_times(self._n_falls)}")
-        if self._jumps.n:
-            longest = f"by up to {self._jumps.most_ns / NS_PER_S:,.1f} s"
-            at = f"first at {self._seconds(self._jumps)}"
-            times = _times(self._jumps.n)
+        if falls.n:
+            found.append(f"header stamps fall {_times(falls.n)}")
+        if jumps.n:
+            longest = f"by up to {jumps.most_ns / NS_PER_S:,.1f} s"
+            at = f"first at {self._seconds(jumps)}"
+            times = _times(jumps.n)
             found.append(f"header stamps and log time part {times}, {at}, {longest}")
-        if 0 < self._pauses.n < _MOST_PAUSES * self._n_messages:
-            longest = f"for up to {self._pauses.most_ns / NS_PER_S:,.1f} s"
-            at = f"first at {self._seconds(self._pauses)}"
-            found.append(f"pauses {_times(self._pauses.n)}, {at}, {longest}")
+        if 0 < pauses.n < _MOST_PAUSES * self._n_messages:
+            longest = f"for up to {pauses.most_ns / NS_PER_S:,.1f} s"
+            at = f"first at {self._seconds(pauses)}"
+            found.append(f"pauses {_times(pauses.n)}, {at}, {longest}")
         return tuple(f"{self._name}: {words}" for words in found)
 
     def _seconds(self, events: _Events) -> str:

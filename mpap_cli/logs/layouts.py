@@ -9,13 +9,11 @@ from numpy.typing import NDArray
 
 from mpap_cli.logs.fields import CDR_BYTE_ORDERS, FieldError
 from mpap_cli.logs.raw import RawRun
-from mpap_cli.observations import NS_PER_S, BoolArray, IntArray
+from mpap_cli.observations import BoolArray, IntArray
 
 _MAX_COMPARED = 8
-_HEAD_BYTES = 16  # encapsulation or sequence number, stamp, length of the frame name
 _STAMP = slice(4, 12)
 _SEQUENCE = slice(4)
-_BIG = [number for number, order in CDR_BYTE_ORDERS.items() if order == "big"]
 
 
 class Layout(Protocol):
@@ -52,7 +50,7 @@ def locate_alike(
     ignored : sequence of slice
         Bytes before the numbers that may differ, beside the stamp.
     """
-    from mpap_cli.logs.files import _kernels  # noqa: PLC0415  # numba is slow to import
+    from mpap_cli.logs import _kernels  # noqa: PLC0415  # numba is slow to import
 
     skipped: Counter[str] = Counter()
     layouts: list[L] = []
@@ -74,7 +72,7 @@ def locate_alike(
         mask = _mask(layout.place, run.topic.encoding, ignored)
         alike = _kernels.find_alike(run.records, run.starts[left], run.sizes[left], least, mask)
         kinds[left[alike]] = len(layouts) - 1
-        left = left[~alike]
+        left = left[~alike] if not alike.all() else left[:0]
     return kinds, layouts, skipped
 
 
@@ -90,9 +88,18 @@ def _mask(size: int, encoding: str, ignored: Sequence[slice]) -> NDArray[np.uint
 
 def gather(records: bytes, places: IntArray, n_bytes: int) -> NDArray[np.uint8]:
     """Return the ``n_bytes`` at each of n places as rows (n, n_bytes)."""
-    from mpap_cli.logs.files import _kernels  # noqa: PLC0415  # numba is slow to import
+    from mpap_cli.logs import _kernels  # noqa: PLC0415  # numba is slow to import
 
-    return _kernels.gather(records, places, n_bytes)
+    rows = np.empty((places.size, n_bytes), np.uint8)
+    _kernels.gather_into(records, places, rows)
+    return rows
+
+
+def gather_into(records: bytes, places: IntArray, rows: NDArray[np.uint8]) -> None:
+    """Copy the bytes at each of n places into rows (n, n_bytes)."""
+    from mpap_cli.logs import _kernels  # noqa: PLC0415  # numba is slow to import
+
+    _kernels.gather_into(records, places, rows)
 
 
 def header_stamps(run: RawRun) -> tuple[IntArray, BoolArray]:
@@ -110,14 +117,11 @@ def header_stamps(run: RawRun) -> tuple[IntArray, BoolArray]:
     readable : ndarray of shape (n,)
         False where the payload is shorter than a header, or no plain CDR.
     """
-    readable = run.sizes >= _HEAD_BYTES
-    stamps_ns = np.zeros(len(run), np.int64)
-    heads = gather(run.records, run.starts[readable], _STAMP.stop)
-    words = heads[:, _STAMP].copy().view("<u4")
+    from mpap_cli.logs import _kernels  # noqa: PLC0415  # numba is slow to import
+
+    orders = np.full(256, _kernels.LITTLE, np.uint8)
     if run.topic.encoding == "cdr":
-        big = np.isin(heads[:, 1], _BIG)
-        words[big] = words[big].byteswap()
-        readable[readable] = np.isin(heads[:, 1], list(CDR_BYTE_ORDERS))
-    seconds, nanoseconds = words.astype(np.int64).T
-    stamps_ns[run.sizes >= _HEAD_BYTES] = seconds * NS_PER_S + nanoseconds
-    return stamps_ns, readable
+        orders[:] = _kernels.UNKNOWN
+        for number, order in CDR_BYTE_ORDERS.items():
+            orders[number] = _kernels.BIG if order == "big" else _kernels.LITTLE
+    return _kernels.read_stamps(run.records, run.starts, run.sizes, orders)

@@ -1,6 +1,5 @@
 """Records of a log before anything in it is understood: topics, payloads, damage."""
 
-import tempfile
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -8,7 +7,11 @@ from types import TracebackType
 from typing import NamedTuple, Protocol, Self
 
 from mpap_cli.errors import LogError
+from mpap_cli.logs.remote.paths import LogPath
+from mpap_cli.logs.scratch import ScratchFolder
 from mpap_cli.observations import IntArray
+
+TopicKey = tuple[str, str]  # name and type of a topic; both empty where it is not known
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +34,7 @@ class Topic:
 
 
 class RawMessage(NamedTuple):
-    """One message as recorded; ``stamp_ns`` is log time.
-
-    A named tuple, since one is made per message: a frozen dataclass takes three times as long.
-    """
+    """One message as recorded; ``stamp_ns`` is log time. Named tuples are quick to make."""
 
     topic: Topic
     stamp_ns: int
@@ -70,11 +70,7 @@ class RawRun:
 
 
 class RunGroup(NamedTuple):
-    """The next stretch of a log.
-
-    Everything in it is stamped before ``until_ns``, nothing in a later group is. The runs
-    of one topic follow one another in time.
-    """
+    """A stretch of a log before ``until_ns``; the runs of a topic follow one another in time."""
 
     until_ns: int
     runs: Sequence[RawRun]
@@ -82,24 +78,24 @@ class RunGroup(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Damage:
-    """What is broken in one file, and how much was found or lost.
+    """What is broken in one file; ``path`` is its base name.
 
-    ``path`` is the base name of the file. By ``kind``, ``count`` counts
+    By ``kind``, ``count`` counts
 
     - ``unindexed``, ``truncated``, ``index``, ``database``: whole messages found
       (the file has no index, ends early, has a broken index, is a broken database);
     - ``chunk``: chunks left out (all their messages, or those behind the broken place);
-    - ``message``: messages left out;
-    - ``packed``: bytes unpacked before a packed file breaks off;
-    - ``file``: files left out.
+    - ``message``, ``file``: messages, or files, left out;
+    - ``packed``: bytes unpacked before a packed file breaks off.
 
-    ``text`` is one sentence, ready to print.
+    ``text`` is one sentence; ``lost`` counts what is missing of `Topic.n_messages`, if known.
     """
 
     path: str
     kind: str
     count: int
     text: str
+    lost: Mapping[TopicKey, int] = field(default_factory=dict)
 
 
 class PayloadError(LogError):
@@ -110,14 +106,13 @@ class PayloadError(LogError):
 class Reading:
     """What one open log collects while it is read, and the folder for unpacked files.
 
-    ``damage`` has one record per file and kind, ``warnings`` one line per kind. With
-    ``strict`` the first damage is an error.
+    ``damage`` has one record per file and kind; ``strict`` makes an error of the first.
     """
 
     strict: bool = False
     damage: list[Damage] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
-    _folder: tempfile.TemporaryDirectory[str] | None = None
+    _folder: ScratchFolder | None = None
 
     def add_damage(self, damage: Damage) -> None:
         """Note a damage in place of what was known about this file and kind.
@@ -148,16 +143,16 @@ class Reading:
         """
         if self._folder is None:
             try:
-                self._folder = tempfile.TemporaryDirectory(prefix="mpap-")
+                self._folder = ScratchFolder("mpap-log-")
             except OSError as err:
                 msg = f"temporary folder: {err.strerror}; name one with room in TMPDIR"
                 raise LogError(msg) from err
-        return Path(self._folder.name)
+        return self._folder.path
 
     def close(self) -> None:
         """Remove the private folder."""
         if self._folder is not None:
-            self._folder.cleanup()
+            self._folder.remove()
             self._folder = None
 
 
@@ -169,12 +164,15 @@ class LogFile(Protocol):
     No file handle stays open between two calls.
     """
 
-    path: Path
     channels: Mapping[int, Topic]
     n_messages: int
     start_ns: int
     end_ns: int
     ros_distro: str
+
+    @property
+    def path(self) -> LogPath:
+        """Where the file lies."""
 
     def messages(
         self, wanted: Mapping[int, Topic], start_ns: int | None, end_ns: int | None
@@ -197,7 +195,7 @@ class LogReader(Protocol):
     where there is none); ``damage`` grows while messages are read.
     """
 
-    path: Path
+    path: LogPath
     container: str
     topics: tuple[Topic, ...]
     n_messages: int
@@ -222,6 +220,10 @@ class LogReader(Protocol):
         """Return the fields of a message as attributes; of JSON and protobuf a mapping."""
         ...
 
+    def topic_bytes(self) -> Mapping[TopicKey, int] | None:
+        """Return how large the payloads of each topic are; None where no index tells."""
+        ...
+
     def undefined_types(self) -> tuple[str, ...]:
         """Return the types of messages for which no definition is at hand, sorted."""
         ...
@@ -239,10 +241,8 @@ class LogReader(Protocol):
 def ros2_name(msgtype: str) -> str:
     """Return a type's name in its ROS 2 form.
 
-    >>> ros2_name("sensor_msgs/LaserScan")
-    'sensor_msgs/msg/LaserScan'
-    >>> ros2_name("foxglove.LaserScan")
-    'foxglove.LaserScan'
+    >>> ros2_name("sensor_msgs/LaserScan"), ros2_name("foxglove.LaserScan")
+    ('sensor_msgs/msg/LaserScan', 'foxglove.LaserScan')
     """
     package, _, name = msgtype.partition("/")
     return f"{package}/msg/{name}" if name and "/" not in name else msgtype

@@ -85,10 +85,10 @@ def survey_log(reader: LogReader, roles: Roles, forward_rad: float | None = None
 
 def usual_beams(scans: Sequence[ScanPiece]) -> float:
     """Return the median number of beams; 0 without scans."""
+    if not scans:
+        return 0.0
     n_beams = [piece.geometry.n_beams for piece in scans]
-    return (
-        float(np.median(np.repeat(n_beams, [len(one.ranges) for one in scans]))) if scans else 0.0
-    )
+    return float(np.median(np.repeat(n_beams, [len(piece.stamps_ns) for piece in scans])))
 
 
 def is_broken(geometry: ScanGeometry, usual: float) -> bool:

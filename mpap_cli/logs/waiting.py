@@ -51,11 +51,16 @@ class Waiting(Generic[P]):
         more = [piece for piece in pieces if len(piece.stamps_ns)]
         if not more:
             return
-        last = [self._pieces[-1].stamps_ns[-1:]] if self._pieces else []
-        stamps_ns = np.concatenate([*last, *(piece.stamps_ns for piece in more)])
+        ends_ns = [self._pieces[-1].stamps_ns[-1]] if self._pieces else []
+        in_order = True
+        for piece in more:
+            stamps_ns = piece.stamps_ns
+            in_order &= not ends_ns or bool(ends_ns[-1] <= stamps_ns[0])
+            in_order &= not (stamps_ns[1:] < stamps_ns[:-1]).any()
+            ends_ns.append(stamps_ns[-1])
+            self._n_events += len(stamps_ns)
         self._pieces.extend(more)
-        self._n_events += len(stamps_ns) - len(last)
-        if (np.diff(stamps_ns) < 0).any():
+        if not in_order:
             self._pieces = _in_order(self._pieces)
 
     def moment_of(self, number: int) -> int | None:

@@ -149,6 +149,8 @@ class Window:
 
     def _changes(self, bumps: BumpPiece) -> Iterator[Bump]:
         """Leave out bumps that say nothing new."""
+        if not bumps.codes.size:
+            return
         names = list(self._sensors)
         if self._changes_only:
             bumps = bumps.rows(np.flatnonzero(np.diff(bumps.codes, prepend=-1)))
@@ -164,10 +166,13 @@ def _blocks(pieces: Sequence[ScanPiece]) -> tuple[ScanBlock, ...]:
     blocks = []
     for geometry, group in groupby(pieces, attrgetter("geometry")):
         same = list(group)
-        stamps_ns, ranges = same[0].stamps_ns, same[0].ranges
-        if len(same) > 1:
+        stamps_ns, ranges = same[0].stamps_ns, same[0].held
+        if len(same) > 1 or not isinstance(ranges, np.ndarray):
             stamps_ns = np.concatenate([piece.stamps_ns for piece in same])
-            ranges = np.concatenate([piece.ranges for piece in same])
+            ranges = np.empty((stamps_ns.size, geometry.n_beams), np.float32)
+            ends = np.cumsum([len(piece.stamps_ns) for piece in same]).tolist()
+            for piece, begin, end in zip(same, [0, *ends], ends, strict=False):
+                piece.write(ranges[begin:end])
         blocks.append(ScanBlock(stamps_ns, ranges, geometry))
     return tuple(blocks)
 

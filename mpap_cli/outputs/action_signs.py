@@ -5,9 +5,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mpap_cli.outputs.canvas import INK, Image, draw_line, fill_polygon, probability_colour
+from mpap_cli.outputs.canvas import INK, Image, draw_line, fill_polygon, probability_color
 
-_STOP = probability_colour(1.0)
+_STOP = probability_color(1.0)
 
 
 def _draw_straight(strip: Image) -> None:

@@ -14,11 +14,11 @@ from mpap_cli.outputs.canvas import (
     PALE_INK,
     UNKNOWN,
     Box,
-    Colour,
+    Color,
     Image,
     blank,
     paste,
-    probability_colour,
+    probability_color,
     put_text,
     shorten,
     text_width,
@@ -30,8 +30,8 @@ MOST_ON_SHEET = 24
 
 _NARROWEST, _WIDEST = 640, 1280
 _STRIP = 52
-_OBSTACLE: Colour = probability_colour(1.0)
-_FREE: Colour = (115, 158, 0)  # a green that differs from vermilion for the colour-blind
+_OBSTACLE: Color = probability_color(1.0)
+_FREE: Color = (115, 158, 0)  # a green that differs from vermilion for the color-blind
 _TINT = 0.3
 _HATCH = 14
 _DASH = 8
@@ -131,7 +131,7 @@ def write_annotated_sheet(path: Path, images: Sequence[tuple[Image, str]]) -> No
         y = _TITLE + (index // columns) * (tile_height + _CAPTION + _GAP)
         paste(page, image, Box(x, y, _SHEET_TILE, tile_height))
         line = shorten(caption, _SHEET_TILE, 0.5)
-        put_text(page, line, (x, y + tile_height + 20), size=0.5, colour=PALE_INK)
+        put_text(page, line, (x, y + tile_height + 20), size=0.5, color=PALE_INK)
     write_png(path, page, photographs=True)
 
 
@@ -156,14 +156,14 @@ def _patch_box(image: Image, shape: tuple[int, ...], row: int, column: int) -> B
     height, width = image.shape[0] // shape[0], image.shape[1] // shape[1]
     top = (image.shape[0] - shape[0] * height) // 2
     left = (image.shape[1] - shape[1] * width) // 2
-    # a pixel between neighbours keeps their frames apart
+    # a pixel between neighbors keeps their frames apart
     return Box(left + column * width, top + row * height, max(1, width - 1), max(1, height - 1))
 
 
-def _draw_frame(cell: Image, colour: Colour, weight: int) -> None:
+def _draw_frame(cell: Image, color: Color, weight: int) -> None:
     """Draw the border of a patch inside of it."""
-    cell[:weight] = cell[-weight:] = colour
-    cell[:, :weight] = cell[:, -weight:] = colour
+    cell[:weight] = cell[-weight:] = color
+    cell[:, :weight] = cell[:, -weight:] = color
 
 
 def _draw_obstacle(cell: Image) -> None:

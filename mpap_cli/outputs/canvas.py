@@ -1,4 +1,4 @@
-"""Drawing with OpenCV: colours that the colour-blind can tell apart, text, one file."""
+"""Drawing with OpenCV: colors that the color-blind can tell apart, text, one file."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 Image = NDArray[np.uint8]
-Colour = tuple[int, int, int]
+Color = tuple[int, int, int]
 Point = tuple[float, float]
 
-INK: Colour = (40, 40, 40)
-PALE_INK: Colour = (110, 110, 110)
-GRID: Colour = (222, 222, 222)
-UNKNOWN: Colour = (140, 140, 140)
-# Blue, purple, vermilion as BGR: the ends stay apart for the colour-blind, and no step
+INK: Color = (40, 40, 40)
+PALE_INK: Color = (110, 110, 110)
+GRID: Color = (222, 222, 222)
+UNKNOWN: Color = (140, 140, 140)
+# Blue, purple, vermilion as BGR: the ends stay apart for the color-blind, and no step
 # between them looks like the grey of what is unknown.
 _SCALE = np.array(((178, 114, 0), (163, 78, 123), (0, 94, 213)), dtype=np.float64)
 _FONT = cv2.FONT_HERSHEY_SIMPLEX
@@ -42,10 +42,10 @@ class Box:
         return self.y + self.height
 
 
-def probability_colour(p: float) -> Colour:
-    """Return a colour from blue (0) to vermilion (1); grey if p is NaN.
+def probability_color(p: float) -> Color:
+    """Return a color from blue (0) to vermilion (1); grey if p is NaN.
 
-    >>> probability_colour(float("nan"))
+    >>> probability_color(float("nan"))
     (140, 140, 140)
     """
     if np.isnan(p):
@@ -54,9 +54,9 @@ def probability_colour(p: float) -> Colour:
     return blue, green, red
 
 
-def pale(colour: Colour) -> Colour:
-    """Return a light tint of a colour."""
-    blue, green, red = (round(255 - 0.22 * (255 - part)) for part in colour)
+def pale(color: Color) -> Color:
+    """Return a light tint of a color."""
+    blue, green, red = (round(255 - 0.22 * (255 - part)) for part in color)
     return blue, green, red
 
 
@@ -81,15 +81,15 @@ def put_text(  # noqa: PLR0913  # a place, a text and its look
     at: Point,
     *,
     size: float = 0.5,
-    colour: Colour = INK,
+    color: Color = INK,
     weight: int = 1,
     align: float = 0.0,
 ) -> None:
-    """Write ASCII text; ``at`` is on its base line, ``align`` 0 left, .5 centre, 1 right."""
+    """Write ASCII text; ``at`` is on its base line, ``align`` 0 left, .5 center, 1 right."""
     plain = _drawable(text)
     left = at[0] - align * text_width(plain, size, weight)
     place = (round(left), round(at[1]))
-    cv2.putText(image, plain, place, _FONT, size, colour, weight, cv2.LINE_AA)
+    cv2.putText(image, plain, place, _FONT, size, color, weight, cv2.LINE_AA)
 
 
 def shorten(text: str, width: int, size: float) -> str:
@@ -107,41 +107,41 @@ def _sixteenths(points: NDArray[np.float64]) -> NDArray[np.int32]:
     return np.rint(bounded * (1 << _FRACTION_BITS)).astype(np.int32)
 
 
-def draw_line(image: Image, points: NDArray[np.float64], colour: Colour, weight: int = 1) -> None:
+def draw_line(image: Image, points: NDArray[np.float64], color: Color, weight: int = 1) -> None:
     """Draw a line through points of shape (n, 2), in pixels."""
     curve = _sixteenths(points)
-    cv2.polylines(image, [curve], False, colour, weight, cv2.LINE_AA, _FRACTION_BITS)
+    cv2.polylines(image, [curve], False, color, weight, cv2.LINE_AA, _FRACTION_BITS)
 
 
-def fill_polygon(image: Image, points: NDArray[np.float64], colour: Colour) -> None:
+def fill_polygon(image: Image, points: NDArray[np.float64], color: Color) -> None:
     """Fill the polygon with corners of shape (n, 2), in pixels."""
-    cv2.fillPoly(image, [_sixteenths(points)], colour, cv2.LINE_AA, _FRACTION_BITS)
+    cv2.fillPoly(image, [_sixteenths(points)], color, cv2.LINE_AA, _FRACTION_BITS)
 
 
-def fill_box(image: Image, at: Point, size: tuple[float, float], colour: Colour) -> None:
+def fill_box(image: Image, at: Point, size: tuple[float, float], color: Color) -> None:
     """Fill an upright rectangle from its upper left corner; size is width and height."""
     corners = np.array(((0, 0), (1, 0), (1, 1), (0, 1)), dtype=np.float64)
-    fill_polygon(image, np.array(at) + corners * np.array(size), colour)
+    fill_polygon(image, np.array(at) + corners * np.array(size), color)
 
 
-def draw_dots(image: Image, points: NDArray[np.float64], colour: Colour, radius: float) -> None:
+def draw_dots(image: Image, points: NDArray[np.float64], color: Color, radius: float) -> None:
     """Draw a dot at each of the points of shape (n, 2), in pixels."""
     size = round(radius * (1 << _FRACTION_BITS))
     for x, y in _sixteenths(points).tolist():
-        cv2.circle(image, (x, y), size, colour, -1, cv2.LINE_AA, _FRACTION_BITS)
+        cv2.circle(image, (x, y), size, color, -1, cv2.LINE_AA, _FRACTION_BITS)
 
 
-def draw_circle(image: Image, centre: Point, radius: float, colour: Colour) -> None:
+def draw_circle(image: Image, center: Point, radius: float, color: Color) -> None:
     """Draw a thin circle."""
-    x, y = _sixteenths(np.array(centre, dtype=np.float64)).tolist()
+    x, y = _sixteenths(np.array(center, dtype=np.float64)).tolist()
     size = round(radius * (1 << _FRACTION_BITS))
-    cv2.circle(image, (x, y), size, colour, 1, cv2.LINE_AA, _FRACTION_BITS)
+    cv2.circle(image, (x, y), size, color, 1, cv2.LINE_AA, _FRACTION_BITS)
 
 
-def frame(image: Image, box: Box, colour: Colour = GRID) -> None:
+def frame(image: Image, box: Box, color: Color = GRID) -> None:
     """Draw the border of a box."""
     last = (box.right - 1, box.bottom - 1)
-    cv2.rectangle(image, (box.x, box.y), last, colour, 1)
+    cv2.rectangle(image, (box.x, box.y), last, color, 1)
 
 
 def paste(image: Image, picture: Image, box: Box) -> None:

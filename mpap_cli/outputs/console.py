@@ -1,4 +1,4 @@
-"""Talk and tables for people: colour and bars only where there is a terminal for them."""
+"""Talk and tables for people: color and bars only where there is a terminal for them."""
 
 import math
 import os
@@ -16,7 +16,7 @@ Row = TypeVar("Row")
 
 
 def is_styled(stream: TextIO) -> bool:
-    """Tell whether colour and bars are welcome.
+    """Tell whether color and bars are welcome.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from mpap_cli.outputs.canvas import (
     blank,
     frame,
     paste,
-    probability_colour,
+    probability_color,
     put_text,
     write_png,
 )
@@ -60,14 +60,14 @@ def write_example_scans(path: Path, examples: Sequence[ExampleScan]) -> None:
     page = blank(width, _HEAD + max(1, len(examples)) * _ROW)
     words = "range over angle (gray ticks: beams without return), from above, image"
     put_text(page, "Scans with and without a collision", (_EDGE, 36), size=0.8, weight=2)
-    put_text(page, words, (_EDGE, 60), colour=PALE_INK)
+    put_text(page, words, (_EDGE, 60), color=PALE_INK)
     if not examples:
-        put_text(page, "no scan was taken", (_EDGE, _HEAD + 40), colour=UNKNOWN)
+        put_text(page, "no scan was taken", (_EDGE, _HEAD + 40), color=UNKNOWN)
     seen = [see(one.ranges, one.geometry, one.forward_rad, one.range_max) for one in examples]
     scale = (common_scale(seen), half_view(seen)) if seen else (1.0, 180.0)
     for index, (one, scan) in enumerate(zip(examples, seen, strict=True)):
         y = _HEAD + index * _ROW
-        view = (*scale, probability_colour(float(one.in_contact)))
+        view = (*scale, probability_color(float(one.in_contact)))
         state = "collision" if one.in_contact else "no collision"
         put_text(page, f"{state}, at {one.time_s:.1f} s", (_EDGE, y + 16), size=0.6, weight=2)
         top = y + 26
@@ -84,4 +84,4 @@ def _draw_image(page: Image, box: Box, image: Image | None) -> None:
         return
     frame(page, box)
     middle = (box.x + box.width / 2, box.y + box.height / 2)
-    put_text(page, "no image", middle, colour=UNKNOWN, align=0.5)
+    put_text(page, "no image", middle, color=UNKNOWN, align=0.5)

@@ -24,12 +24,13 @@ _LOOK: dict[str, Any] = {
     "grid.color": "#E2E2E2",
     "axes.axisbelow": True,
     "legend.frameon": False,
+    "svg.hashsalt": "mpap",
 }
 
 
 @contextmanager
 def figure_for(path: Path, size: tuple[float, float]) -> Iterator["Figure"]:
-    """Give a figure of this size in inches to draw on, then write it as PNG.
+    """Give a figure of this size in inches to draw on, then write it as PNG and SVG.
 
     Raises
     ------
@@ -46,6 +47,8 @@ def figure_for(path: Path, size: tuple[float, float]) -> Iterator["Figure"]:
         figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.1)
         yield figure
         figure.savefig(path, dpi=150, format="png", metadata={"Software": None})
+        nothing = {"Date": None, "Creator": None}
+        figure.savefig(path.with_suffix(".svg"), format="svg", metadata=nothing)
 
 
 def plain(text: str) -> str:

@@ -1,12 +1,14 @@
 """The model file: numbers and a header, checked before they are believed."""
 
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from numpy.typing import NDArray
 
 from mpap_cli.errors import ModelError
+from mpap_cli.logs.remote.urls import base_name, is_url
 from mpap_cli.outputs.array_members import (
     open_members,
     read_array,
@@ -15,6 +17,7 @@ from mpap_cli.outputs.array_members import (
     write_record,
 )
 
+MODEL_NAME = "model.npz"
 FORMAT = "mpap model"
 VERSION = 1
 _HEADER = "header"
@@ -76,7 +79,21 @@ def read_model(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         if not isinstance(header, dict):
             msg = "header is no record"
             raise ValueError(msg)  # noqa: TRY004  # the file is wrong, not the caller
-        return header, {str(name): read_array(archive, name) for name in names}
+        _check_members(path, archive, names)
+        return header, {name: read_array(archive, name) for name in names}
+
+
+def _check_members(path: Path, archive: zipfile.ZipFile, names: Any) -> None:
+    """Check that the arrays together hold no more than the file: members could share bytes."""
+    listed = isinstance(names, list) and all(isinstance(name, str) for name in names)
+    if not listed or len(set(names)) != len(names):
+        msg = "its arrays have no names, or one is there twice"
+        raise ValueError(msg)
+    declared = sum(archive.getinfo(f"{name}.npy").file_size for name in names)
+    size = path.stat().st_size
+    if declared > size:
+        msg = f"its arrays declare {declared} bytes in a file of {size}"
+        raise ValueError(msg)
 
 
 def check_format(path: Path, record: dict[str, Any], name: str, version: int) -> None:
@@ -115,13 +132,29 @@ def find_model(path: Path) -> Path:
     Raises
     ------
     ModelError
-        If there is neither.
+        If there is neither, or it is a URL.
     """
+    url = str(path).replace(":/", "://", 1)
+    if is_url(url) and not path.exists():
+        msg = f"{base_name(url)}: models are read from this machine only; fetch it first"
+        raise ModelError(msg)
     if not path.is_dir():
         return path
-    for command in ("learn", "merge"):
-        found = path / command / "model.npz"
-        if found.is_file():
-            return found
+    found = next(_models_in(path), None)
+    if found is not None:
+        return found
     msg = f"{path}: no learn/model.npz and no merge/model.npz in it; run mpap learn first"
     raise ModelError(msg)
+
+
+def has_model(folder: Path) -> bool:
+    """Tell whether :func:`find_model` finds one in a folder of results."""
+    return any(True for _ in _models_in(folder))
+
+
+def _models_in(folder: Path) -> Iterator[Path]:
+    """Yield the models in a folder of results, the one to be taken first."""
+    for command in ("learn", "merge"):
+        path = folder / command / MODEL_NAME
+        if path.is_file():
+            yield path

@@ -18,7 +18,7 @@ from mpap_cli.outputs.canvas import (
     fill_box,
     frame,
     paste,
-    probability_colour,
+    probability_color,
     put_text,
     write_png,
 )
@@ -149,7 +149,7 @@ def _page(
     put_text(page, title, (_EDGE, 42), size=0.8, weight=2)
     if any(not one.note for one in clusters):
         words = "the most likely obstacles first"
-        put_text(page, words, (_EDGE, 70), size=_SMALL, colour=PALE_INK)
+        put_text(page, words, (_EDGE, 70), size=_SMALL, color=PALE_INK)
         draw_key(page, "obstacle", width - _EDGE, 70)
     if left_out:
         text = left_out_text([one.p_obstacle for one in left_out])
@@ -165,7 +165,7 @@ def _draw_tile(page: Image, tile: Box, one: PatchCluster) -> None:
     draw_bar(page, Box(tile.x, tile.y + 26, tile.width, 8), p)
     box = Box(tile.x, tile.y + _TILE_HEAD, tile.width, tile.height)
     _draw_patch(page, box, one.exemplar, p)
-    put_text(page, _counts(one), (tile.x, box.bottom + 18), size=_SMALL, colour=PALE_INK)
+    put_text(page, _counts(one), (tile.x, box.bottom + 18), size=_SMALL, color=PALE_INK)
 
 
 def _draw_row(page: Image, y: int, one: PatchCluster) -> None:
@@ -177,7 +177,7 @@ def _draw_row(page: Image, y: int, one: PatchCluster) -> None:
     draw_bar(page, Box(_EDGE, y + 25, _ROW_HEAD - 20, 8), p)
     for line, words in enumerate([*_counts(one).split(", "), one.note[:_MOST_SIGNS]]):
         place = (_EDGE, y + 53 + 20 * line)
-        put_text(page, words, place, size=_SMALL, colour=PALE_INK)
+        put_text(page, words, place, size=_SMALL, color=PALE_INK)
     x = _EDGE + _ROW_HEAD
     _draw_patch(page, Box(x, y, *_THUMB), one.exemplar, p)
     x += _THUMB[0] + 3 * _THUMB_GAP
@@ -185,18 +185,18 @@ def _draw_row(page: Image, y: int, one: PatchCluster) -> None:
         paste(page, member, Box(x, y, *_THUMB))
         x += _THUMB[0] + _THUMB_GAP
     if not one.members:
-        put_text(page, "no other picture", (x, y + _THUMB[1] / 2 + 5), size=_SMALL, colour=UNKNOWN)
+        put_text(page, "no other picture", (x, y + _THUMB[1] / 2 + 5), size=_SMALL, color=UNKNOWN)
 
 
 def _draw_patch(page: Image, box: Box, patch: Image | None, p: float) -> None:
-    """Draw an exemplar in a frame that has the colour of its probability."""
+    """Draw an exemplar in a frame that has the color of its probability."""
     if patch is None:
         frame(page, box, GRID)
         middle = (box.x + box.width / 2, box.y + box.height / 2 + 5)
-        put_text(page, "no image", middle, size=_SMALL, colour=UNKNOWN, align=0.5)
+        put_text(page, "no image", middle, size=_SMALL, color=UNKNOWN, align=0.5)
         return
     last = (box.width - 1, box.height - 1)
-    fill_box(page, (box.x, box.y), last, probability_colour(p))
+    fill_box(page, (box.x, box.y), last, probability_color(p))
     inner = (box.x + _BORDER, box.y + _BORDER)
     paste(page, patch, Box(*inner, box.width - 2 * _BORDER, box.height - 2 * _BORDER))
 

@@ -52,12 +52,12 @@ def write_rows(path: Path, rows: Sequence[tuple[str, str, Sequence[Image]]]) -> 
         middle = y + _TILE[1] / 2
         put_text(page, shorten(name, room, _SIZE), (_EDGE, middle), size=_SIZE, weight=2)
         words = shorten(below, room, 0.5)
-        put_text(page, words, (_EDGE, middle + 26), size=0.5, colour=PALE_INK)
+        put_text(page, words, (_EDGE, middle + 26), size=0.5, color=PALE_INK)
         for column, picture in enumerate(pictures):
             x = _EDGE + _NAME + column * (_TILE[0] + _GAP)
             paste(page, picture, Box(x, y, *_TILE))
         if not pictures:
-            put_text(page, "no image", (_EDGE + _NAME, middle), size=0.5, colour=UNKNOWN)
+            put_text(page, "no image", (_EDGE + _NAME, middle), size=0.5, color=UNKNOWN)
     write_png(path, page, photographs=True)
 
 

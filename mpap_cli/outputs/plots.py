@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Reliability", "RocLine", "Timeline", "plot_calibration", "plot_roc", "plot_timeline"]
 
-# Okabe and Ito: distinguishable for the colour-blind; line styles tell apart in print.
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+# Okabe and Ito: distinguishable for the color-blind; line styles tell apart in print.
+_COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 _STYLES = ("-", "--", "-.", ":")
 
 
@@ -57,7 +57,7 @@ def plot_roc(path: Path, lines: Sequence[RocLine], title: str = "") -> None:
     path : Path
         PNG to write.
     lines : sequence of RocLine
-        Curves; a label has the same colour in every panel. Without any, the picture says
+        Curves; a label has the same color in every panel. Without any, the picture says
         that there is no curve.
     title : str
         Heading: protocol, target and truth.
@@ -69,7 +69,7 @@ def plot_roc(path: Path, lines: Sequence[RocLine], title: str = "") -> None:
     """
     panels = list(dict.fromkeys(line.panel for line in lines)) or [""]
     labels = list(dict.fromkeys(line.label for line in lines))
-    looks = dict(zip(labels, zip(cycle(_COLOURS), cycle(_STYLES), strict=False), strict=False))
+    looks = dict(zip(labels, zip(cycle(_COLORS), cycle(_STYLES), strict=False), strict=False))
     with figure_for(path, (5.6 * len(panels) + 0.4, 6.3)) as figure:
         axes = figure.subplots(1, len(panels), squeeze=False)[0]
         for panel, axis in zip(panels, axes, strict=True):
@@ -96,8 +96,8 @@ def _chance_line(axis: "Axes") -> None:
 def _roc_line(axis: "Axes", line: RocLine, look: tuple[str, str]) -> None:
     """Draw one curve."""
     area = "" if line.auc is None else f"  {line.auc:.2f}".replace(" 0.", " .")
-    colour, style = look
-    axis.plot(line.fpr, line.tpr, color=colour, ls=style, lw=2, label=plain(line.label) + area)
+    color, style = look
+    axis.plot(line.fpr, line.tpr, color=color, ls=style, lw=2, label=plain(line.label) + area)
 
 
 def plot_calibration(path: Path, reliability: Reliability, title: str = "") -> None:
@@ -122,12 +122,12 @@ def plot_calibration(path: Path, reliability: Reliability, title: str = "") -> N
     with figure_for(path, (5.8, 7.2)) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [3, 1]})
         _draw_reliability(upper, reliability)
-        centres = (edges[:-1] + edges[1:]) / 2
-        lower.bar(centres, reliability.scans, width=0.9 / n_bins, color=PREDICTION, alpha=0.75)
+        centers = (edges[:-1] + edges[1:]) / 2
+        lower.bar(centers, reliability.scans, width=0.9 / n_bins, color=PREDICTION, alpha=0.75)
         lower.set(xlabel="predicted probability", ylabel="scans", xlim=(-0.02, 1.02))
         lower.set_yscale("symlog", linthresh=1)
         lower.set_ylim(0, 6 * max(1, int(reliability.scans.max(initial=0))))
-        for x, n in zip(centres, reliability.scans.tolist(), strict=True):
+        for x, n in zip(centers, reliability.scans.tolist(), strict=True):
             lower.annotate(
                 f"{n:,}", (x, n), (0, 2), ha="center", fontsize=8, textcoords="offset points"
             )

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from mpap_cli.outputs.canvas import Box, Image, fill_box, probability_colour, put_text
+from mpap_cli.outputs.canvas import Box, Image, fill_box, probability_color, put_text
 
 _TRACK = (238, 238, 238)
 _KEY_WIDTH = 140
@@ -65,10 +65,10 @@ def left_out_text(ps: Sequence[float | None]) -> str:
 
 
 def draw_key(page: Image, name: str, right: int, baseline: int) -> None:
-    """Draw what the colours of probabilities mean; it ends at ``right``."""
+    """Draw what the colors of probabilities mean; it ends at ``right``."""
     put_text(page, "1", (right, baseline), size=0.5, align=1)
     left, top = right - 160, baseline - 12
-    steps = [probability_colour(step / (_KEY_WIDTH - 1)) for step in range(_KEY_WIDTH)]
+    steps = [probability_color(step / (_KEY_WIDTH - 1)) for step in range(_KEY_WIDTH)]
     page[top : top + 14, left : left + _KEY_WIDTH] = np.array(steps, dtype=np.uint8)
     put_text(page, f"p({name})  0", (left - 8, baseline), size=0.5, align=1)
 
@@ -78,4 +78,4 @@ def draw_bar(page: Image, box: Box, p: float) -> None:
     if math.isnan(p):
         return
     fill_box(page, (box.x, box.y), (box.width, box.height), _TRACK)
-    fill_box(page, (box.x, box.y), (box.width * p, box.height), probability_colour(p))
+    fill_box(page, (box.x, box.y), (box.width * p, box.height), probability_color(p))

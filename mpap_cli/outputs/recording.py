@@ -30,8 +30,8 @@ from mpap_cli.outputs.model_file import check_format
 from mpap_cli.outputs.recorded_log import RecordedLog
 from mpap_cli.outputs.scan_chunks import ChunkPacker, make_chunk, unpack
 
-FORMAT = "mpap recording"
-VERSION = 1
+RECORDING_NAME = "recording.npz"
+FORMAT, VERSION = "mpap recording", 1
 _CHUNK_BYTES = 4 * 1024 * 1024
 _WHAT = "recording"
 ArrayReader = Callable[[zipfile.ZipFile, str], NDArray[Any]]

@@ -8,6 +8,7 @@ A commit that was killed halfway is finished by whoever reads or writes there ne
 
 import errno
 import json
+import logging
 import os
 import shutil
 from collections.abc import Mapping, Sequence
@@ -22,7 +23,24 @@ from mpap_cli.errors import OutputError
 from mpap_cli.outputs.publishing import clear_staging, flush, lock_of, publish, staging_of
 from mpap_cli.outputs.results_record import SETTINGS_NAME, InputFile, is_safe_name, sha256_of
 
+_MOST_WARNINGS = 200
 _DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+
+class _Warnings(logging.Handler):
+    """Keeps what was warned of, to stand beside the results."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self._texts: set[str] = set()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep a text once."""
+        self._texts.add(record.getMessage())
+
+    def texts(self) -> list[str]:
+        """Return at most 200 texts, in an order that threads do not change."""
+        return sorted(self._texts)[:_MOST_WARNINGS]
 
 
 class ResultsFolder:
@@ -62,6 +80,7 @@ class ResultsFolder:
         self._staging = staging_of(self.folder)
         self._lock = lock_of(self.folder)
         self._made_out = False
+        self._warnings = _Warnings()
 
     def __enter__(self) -> Self:
         try:
@@ -75,6 +94,7 @@ class ResultsFolder:
                 raise
         except OSError as err:
             raise self._cannot_write(err) from err
+        logging.getLogger("mpap_cli").addHandler(self._warnings)
         return self
 
     def _prepare(self) -> None:
@@ -92,6 +112,7 @@ class ResultsFolder:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
+        logging.getLogger("mpap_cli").removeHandler(self._warnings)
         try:
             shutil.rmtree(self._staging, ignore_errors=True)
         finally:
@@ -153,6 +174,7 @@ class ResultsFolder:
                 "seed": seed,
                 "settings": dict(sorted(settings.items())),
                 "inputs": [asdict(item) for item in inputs],
+                "warnings": self._warnings.texts(),
                 "outputs": {name: sha256_of(self._staging / name) for name in names},
             }
             text = json.dumps(record, indent=2, allow_nan=False) + "\n"

@@ -4,6 +4,7 @@ import hashlib
 from pathlib import Path
 
 from mpap_cli.errors import LogError, OutputError
+from mpap_cli.logs.remote.paths import LogPath
 from mpap_cli.outputs.publishing import recover
 from mpap_cli.outputs.results_record import (
     SETTINGS_NAME,
@@ -16,19 +17,20 @@ from mpap_cli.outputs.results_record import (
 __all__ = ["InputFile", "Results", "describe_input", "has_results", "read_results"]
 
 
-def describe_input(path: Path) -> InputFile:
+def describe_input(path: LogPath) -> InputFile:
     """Say what was read, so that it is known again wherever it lies.
 
     Parameters
     ----------
-    path : Path
+    path : Path or RemotePath
         A file, or a folder with the files of one log.
 
     Returns
     -------
     InputFile
         Base name, bytes and SHA-256; of a folder, the sum of the bytes and the SHA-256
-        of one line ``sha256  name`` for each file.
+        of one line ``sha256  name`` for each file. What lies behind a URL and was not read
+        whole has no SHA-256; in its place stands that, and the ETag.
 
     Raises
     ------
@@ -36,6 +38,8 @@ def describe_input(path: Path) -> InputFile:
         If it cannot be read.
     """
     try:
+        if not isinstance(path, Path):
+            return InputFile(path.name, *path.describe())
         whole = path.resolve()
         if not whole.is_dir():
             return InputFile(whole.name, whole.stat().st_size, sha256_of(whole))

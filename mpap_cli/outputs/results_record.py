@@ -5,7 +5,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Annotated, Any
 
 from mpap_cli.errors import OutputError
 
@@ -17,9 +17,9 @@ _LARGEST_SETTINGS = 64 * 1024 * 1024
 class InputFile:
     """What was read, known again wherever it lies: base name, bytes and SHA-256."""
 
-    name: str
-    size: int
-    sha256: str
+    name: Annotated[str, "base name"]
+    size: Annotated[int, "bytes"]
+    sha256: Annotated[str, "checksum; of a log behind a URL perhaps what the server says instead"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,12 +27,13 @@ class Results:
     """A whole set of results, each output checked against its SHA-256."""
 
     folder: Path
-    mpap: str
-    command: str
-    seed: int
-    settings: Mapping[str, Any]
-    inputs: tuple[InputFile, ...]
-    outputs: Mapping[str, str]
+    mpap: Annotated[str, "version that wrote it"]
+    command: Annotated[str, "command that wrote it"]
+    seed: Annotated[int, "seed of everything random"]
+    settings: Annotated[Mapping[str, Any], "every setting and option that can change results"]
+    inputs: Annotated[tuple[InputFile, ...], "what was read, in the order given"]
+    warnings: Annotated[tuple[str, ...], "what was said on stderr"]
+    outputs: Annotated[Mapping[str, str], "SHA-256 of each file beside it, by name"]
 
     def path(self, name: str) -> Path:
         """Return the path of an output.
@@ -105,7 +106,8 @@ def _results(folder: Path, record: Any) -> Results:
     names = [item.name for item in fields(InputFile)]
     inputs = tuple(InputFile(**{name: item[name] for name in names}) for item in record["inputs"])
     outputs, settings = record["outputs"], record["settings"]
-    texts = (record["mpap"], record["command"], *outputs, *outputs.values())
+    warnings = tuple(record.get("warnings", ()))  # not there before version 0.2
+    texts = (record["mpap"], record["command"], *warnings, *outputs, *outputs.values())
     good = (
         isinstance(settings, dict)
         and isinstance(record["seed"], int)
@@ -121,5 +123,6 @@ def _results(folder: Path, record: Any) -> Results:
         seed=record["seed"],
         settings=settings,
         inputs=inputs,
+        warnings=warnings,
         outputs=outputs,
     )

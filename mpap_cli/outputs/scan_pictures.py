@@ -22,7 +22,7 @@ from mpap_cli.outputs.canvas import (
     draw_line,
     frame,
     paste,
-    probability_colour,
+    probability_color,
     put_text,
     shorten,
     text_width,
@@ -125,14 +125,14 @@ def write_exemplars(path: Path, exemplars: Sequence[ExemplarPicture], limit: int
 
 
 def _draw_title(page: Image, n_clusters: int) -> None:
-    """Draw the heading and the key of the colours."""
+    """Draw the heading and the key of the colors."""
     title = f"{n_clusters} cluster{'' if n_clusters == 1 else 's'}: exemplar scans"
     put_text(page, title, (_EDGE, 42), size=0.9, weight=2)
     if n_clusters == 0:
         return
     room = page.shape[1] - 2 * _EDGE
     size = _SMALL * min(1.0, room / text_width(_KEY, _SMALL))
-    put_text(page, _KEY, (_EDGE, 70), size=size, colour=PALE_INK)
+    put_text(page, _KEY, (_EDGE, 70), size=size, color=PALE_INK)
     draw_key(page, "collision", page.shape[1] - _EDGE, 40)
 
 
@@ -141,19 +141,19 @@ def _draw_card(
 ) -> None:
     """Draw one cluster: what it means, its exemplar two ways, and the image."""
     p = number(one.p_collision)
-    colour = probability_colour(p)
+    color = probability_color(p)
     _draw_head(page, card, one)
     scan, top_m, half = view
     y = card.y + _HEAD
-    draw_polar(page, Box(card.x, y, _POLAR, _PLOT), scan, (top_m, half, colour))
-    draw_above(page, Box(card.x + _POLAR + _GAP, y, _PLOT, _PLOT), scan, (top_m, half, colour))
+    draw_polar(page, Box(card.x, y, _POLAR, _PLOT), scan, (top_m, half, color))
+    draw_above(page, Box(card.x + _POLAR + _GAP, y, _PLOT, _PLOT), scan, (top_m, half, color))
     box = Box(card.x + _POLAR + _PLOT + 2 * _GAP, y, _PICTURE, _PLOT)
     if one.image is not None:
         paste(page, one.image, box)
     elif card.right > box.x:
         frame(page, box)
         middle = (box.x + box.width / 2, box.y + box.height / 2)
-        put_text(page, "no image", middle, colour=UNKNOWN, align=0.5)
+        put_text(page, "no image", middle, color=UNKNOWN, align=0.5)
 
 
 def _draw_head(page: Image, card: Box, one: ExemplarPicture) -> None:
@@ -171,7 +171,7 @@ def _draw_head(page: Image, card: Box, one: ExemplarPicture) -> None:
     words = f"{scans}, first seen at {one.first_seen_s:.1f} s; shown: {one.time_s:.1f} s of "
     room = card.width - text_width(words, _SMALL)
     line = words + shorten(one.log, room, _SMALL)
-    put_text(page, line, (card.x, card.y + 46), size=_SMALL, colour=PALE_INK)
+    put_text(page, line, (card.x, card.y + 46), size=_SMALL, color=PALE_INK)
     if math.isnan(p):
         return
     left, length = card.x + _POLAR + _GAP, _PLOT

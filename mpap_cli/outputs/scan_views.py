@@ -11,7 +11,7 @@ from mpap_cli.outputs.canvas import (
     INK,
     PALE_INK,
     Box,
-    Colour,
+    Color,
     Image,
     draw_circle,
     draw_dots,
@@ -102,7 +102,7 @@ def range_ticks(top_m: float) -> list[float]:
     return [step * index for index in range(1, int(top_m / step) + 1)]
 
 
-def draw_polar(image: Image, box: Box, scan: SeenScan, scale: tuple[float, float, Colour]) -> None:
+def draw_polar(image: Image, box: Box, scan: SeenScan, scale: tuple[float, float, Color]) -> None:
     """Draw range over angle: left beams on the left, no return as a grey tick at the top.
 
     Parameters
@@ -114,9 +114,9 @@ def draw_polar(image: Image, box: Box, scan: SeenScan, scale: tuple[float, float
     scan : SeenScan
         The scan.
     scale : tuple
-        Highest range in metres, degrees to each side, colour.
+        Highest range in metres, degrees to each side, color.
     """
-    top_m, half, colour = scale
+    top_m, half, color = scale
     plot = Box(
         box.x + _MARGIN_LEFT, box.y, box.width - _MARGIN_LEFT - 6, box.height - _MARGIN_BOTTOM
     )
@@ -126,10 +126,10 @@ def draw_polar(image: Image, box: Box, scan: SeenScan, scale: tuple[float, float
     for run in runs_of(scan.returned):
         line = np.stack((x[run], y[run]), axis=1)
         ends = np.array([[x[run][-1], plot.bottom - 1], [x[run][0], plot.bottom - 1]])
-        fill_polygon(image, np.concatenate((line, ends)), pale(colour))
-        draw_line(image, line, colour, 2)
+        fill_polygon(image, np.concatenate((line, ends)), pale(color))
+        draw_line(image, line, color, 2)
         if len(line) == 1:
-            draw_dots(image, line, colour, 1.5)
+            draw_dots(image, line, color, 1.5)
     for place in x[~scan.returned]:
         draw_line(image, np.array([[place, plot.y + 1], [place, plot.y + 5]]), (150, 150, 150))
     frame(image, plot, PALE_INK)
@@ -141,7 +141,7 @@ def _polar_axes(image: Image, plot: Box, top_m: float, half: float) -> None:
         y = plot.bottom - 1 - tick / top_m * (plot.height - 9)
         draw_line(image, np.array([[plot.x, y], [plot.right - 1, y]]), GRID)
         put_text(image, f"{tick:g}", (plot.x - 6, y + 5), size=_TICK, align=1)
-    put_text(image, "m", (plot.x - 6, plot.bottom - 1), size=_TICK, colour=PALE_INK, align=1)
+    put_text(image, "m", (plot.x - 6, plot.bottom - 1), size=_TICK, color=PALE_INK, align=1)
     step = 90.0 if half > 90.0 else 45.0  # noqa: PLR2004  # right angles where they fit
     for tick in np.arange(-np.floor(half / step), np.floor(half / step) + 1) * step:
         x = plot.x + (half - tick) / (2 * half) * (plot.width - 1)
@@ -150,7 +150,7 @@ def _polar_axes(image: Image, plot: Box, top_m: float, half: float) -> None:
         put_text(image, f"{tick:g}", (x, plot.bottom + 15), size=_TICK, align=align)
     middle = plot.x + plot.width / 2
     words = "left  <  degrees from straight ahead  >  right"
-    put_text(image, words, (middle, plot.bottom + 33), size=0.48, colour=PALE_INK, align=0.5)
+    put_text(image, words, (middle, plot.bottom + 33), size=0.48, color=PALE_INK, align=0.5)
 
 
 def runs_of(flags: BoolArray) -> list[slice]:
@@ -163,30 +163,30 @@ def runs_of(flags: BoolArray) -> list[slice]:
     return [slice(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
 
 
-def draw_above(image: Image, box: Box, scan: SeenScan, scale: tuple[float, float, Colour]) -> None:
-    """Draw the scan from above: the robot at the bottom centre, forward up.
+def draw_above(image: Image, box: Box, scan: SeenScan, scale: tuple[float, float, Color]) -> None:
+    """Draw the scan from above: the robot at the bottom center, forward up.
 
     The robot stands higher where the scanner looks backwards too. Parameters as in
     :func:`draw_polar`.
     """
-    top_m, half, colour = scale
+    top_m, half, color = scale
     ahead = 0.68 if half > _BACKWARDS else 0.92
-    centre = (box.x + box.width / 2, box.y + ahead * box.height)
+    center = (box.x + box.width / 2, box.y + ahead * box.height)
     per_metre = ahead * box.height / (top_m * 1.04)
     view = np.ascontiguousarray(image[box.y : box.bottom, box.x : box.right])
-    origin = np.array((centre[0] - box.x, centre[1] - box.y))
+    origin = np.array((center[0] - box.x, center[1] - box.y))
     angles = np.deg2rad(scan.angles)
     # left of the robot is left in the picture, ahead is up
     beams = np.stack((-np.sin(angles), -np.cos(angles)), axis=1)
     points = origin + per_metre * scan.ranges[:, None] * beams
     for run in runs_of(scan.returned):
-        fill_polygon(view, np.concatenate((points[run], origin[None])), pale(colour))
+        fill_polygon(view, np.concatenate((points[run], origin[None])), pale(color))
     for tick in range_ticks(top_m):
         draw_circle(view, (origin[0], origin[1]), tick * per_metre, (205, 205, 205))
     for tick in range_ticks(top_m):
         place = (origin[0] + 5, origin[1] - tick * per_metre + 14)
-        put_text(view, f"{tick:g} m", place, size=_TICK, colour=PALE_INK)
-    draw_dots(view, points[scan.returned], colour, 2.2)
+        put_text(view, f"{tick:g} m", place, size=_TICK, color=PALE_INK)
+    draw_dots(view, points[scan.returned], color, 2.2)
     robot = np.array([[0.0, -13.0], [8.0, 8.0], [0.0, 4.0], [-8.0, 8.0]])
     fill_polygon(view, origin + robot, INK)
     image[box.y : box.bottom, box.x : box.right] = view

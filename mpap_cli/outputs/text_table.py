@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 
 
 def printable(text: str) -> str:
-    """Replace what would move the cursor or colour the terminal: names come from files.
+    """Replace what would move the cursor or color the terminal: names come from files.
 
     >>> printable("scan" + chr(27) + "[31m")
     'scan?[31m'

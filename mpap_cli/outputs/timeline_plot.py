@@ -82,11 +82,11 @@ def _draw_timeline(axes: Sequence["Axes"], timeline: Timeline, threshold: float)
     """Draw the three strips of one log."""
     top, middle, bottom = axes
     reduced = _with_gaps(_thinned(timeline))
-    for axis, values, colour, name in (
+    for axis, values, color, name in (
         (top, reduced.truth, _TRUTH, "truth"),
         (middle, reduced.predicted, PREDICTION, "predicted"),
     ):
-        axis.fill_between(reduced.time_s, np.nan_to_num(values), step="post", color=colour, lw=0.8)
+        axis.fill_between(reduced.time_s, np.nan_to_num(values), step="post", color=color, lw=0.8)
         axis.set(ylim=(0, 1.05), yticks=[0, 1], xticklabels=[])
         axis.set_ylabel(name, rotation=0, ha="right", va="center")
         axis.grid(visible=False, axis="y")

@@ -14,6 +14,8 @@ from mpap_cli.params.checks import (
 SMALLEST_THETA = 1e-9
 LARGEST_THETA = 1e9
 LARGEST_PREFERENCE = 1e18
+MOST_ITERATIONS, MOST_ROUNDS = 10_000, 1000
+"""Tenfold and more what converges: a model file made by hand must not run for ever."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,9 +42,9 @@ class AffinityParams:
         """Check every value before its first use."""
         check_choices(self)
         require(0.5 <= self.damping < 1, "damping", self.damping, "0.5 up to below 1")  # noqa: PLR2004
-        require(1 <= self.max_iter <= MOST_COUNT, "max-iter", self.max_iter, "1 or more")
-        rounds = self.convergence_iter
-        require(1 <= rounds <= MOST_COUNT, "convergence-iter", rounds, "1 or more")
+        most, rounds = MOST_ITERATIONS, self.convergence_iter
+        require(1 <= self.max_iter <= most, "max-iter", self.max_iter, f"1 to {most:,}")
+        require(1 <= rounds <= MOST_ROUNDS, "convergence-iter", rounds, f"1 to {MOST_ROUNDS:,}")
         require(0 <= self.seed < 2**32, "seed", self.seed, "0 to 4294967295")
         parse_preference(self.preference)
 

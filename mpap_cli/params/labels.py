@@ -14,7 +14,11 @@ from mpap_cli.params.checks import (
 READOUTS = ("exemplar", "cluster", "metapoint", "kernel")
 TARGETS = ("contact", "onset", "early")
 MOST_RESAMPLES = 100_000
+MOST_FOLDS = 1000
 HALF_TURN_DEG = 180.0
+
+_MOST_SIGNS = 500
+_REPEATS = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,6 +42,15 @@ class BumperParams:
         require_seconds("bump-hold", self.bump_hold)
         if self.bump_max_press is not None:
             require_seconds("bump-max-press", self.bump_max_press)
+        shown = self.bump_ignore[:_MOST_SIGNS]
+        wanted = "words joined by |, without ( ) and with two of * + ? { at most in each"
+        require(_is_quick(self.bump_ignore), "bump-ignore", shown, wanted)
+
+
+def _is_quick(pattern: str) -> bool:
+    """Whether no name can keep a search busy: nothing in it is tried over and over again."""
+    repeats = [sum(map(word.count, "*+?{")) for word in pattern.split("|")]
+    return len(pattern) <= _MOST_SIGNS and "(" not in pattern and max(repeats) <= _REPEATS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,7 +118,7 @@ class EvaluationParams:
 
     def __post_init__(self) -> None:
         """Check every value before its first use."""
-        require(self.folds >= 2, "folds", self.folds, "2 or more")  # noqa: PLR2004
+        require(2 <= self.folds <= MOST_FOLDS, "folds", self.folds, f"2 to {MOST_FOLDS:,}")  # noqa: PLR2004
         require_seconds("guard-s", self.guard_s, zero=True)
         require(
             10 <= self.resamples <= MOST_RESAMPLES,  # noqa: PLR2004

@@ -42,10 +42,10 @@ def k_nearest(squared: Float64Array, k: int) -> IntArray:
 
 @dataclass(frozen=True, slots=True)
 class Kernel:
-    """Width (a distance), neighbours asked, and pseudo-counts at the base rate."""
+    """Width (a distance), neighbors asked, and pseudo-counts at the base rate."""
 
     theta: float
-    neighbours: int
+    neighbors: int
     prior_counts: float
 
 
@@ -70,7 +70,7 @@ def kernel_mean(
     ndarray of shape (m,)
         Probabilities.
     """
-    nearest = k_nearest(squared, kernel.neighbours)
+    nearest = k_nearest(squared, kernel.neighbors)
     return mean_of_counts(
         np.take_along_axis(squared, nearest, axis=1), counts[nearest], base_rate, kernel
     )

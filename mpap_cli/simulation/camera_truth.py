@@ -19,6 +19,20 @@ from mpap_cli.simulation.rendering.pixels._kernels import count_cells
 from mpap_cli.simulation.shapes import Shapes
 
 GRID = (6, 6)
+PATCH_COLUMNS = {
+    "log": "base name of the log",
+    "stamp_ns": "time of the image in the log, nanoseconds",
+    "row": "row of the patch, from the top, from 0",
+    "column": "column, from the left, from 0",
+    "floor": "share of its pixels that show floor",
+    "wall": "share that shows wall",
+    "obstacle": "share that shows anything else",
+}
+IMAGE_COLUMNS = {
+    "log": "base name of the log",
+    "stamp_ns": "time of the image in the log, nanoseconds",
+    "free_ahead_m": "meters to the first thing that the robot's width would meet",
+}
 _KINDS = np.array([0 if name in FLOORS else 1 if name in WALLS else 2 for name in NAMES])
 
 
@@ -137,8 +151,8 @@ class CameraTruth:
             files = [opened.enter_context(_new_table(path)) for path in self._paths]
             self._close = opened.pop_all()
         self._patches, self._images = (csv.writer(file, lineterminator="\n") for file in files)
-        self._patches.writerow(("log", "stamp_ns", "row", "column", "floor", "wall", "obstacle"))
-        self._images.writerow(("log", "stamp_ns", "free_ahead_m"))
+        self._patches.writerow(PATCH_COLUMNS)
+        self._images.writerow(IMAGE_COLUMNS)
         return self
 
     def __exit__(

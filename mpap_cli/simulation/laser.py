@@ -164,11 +164,11 @@ def _segment_spans(segments: Float64Array, poses: Float64Array, scanner: Scanner
 
 def _circle_spans(circles: Float64Array, poses: Float64Array, scanner: Scanner) -> _Spans:
     """Do the same for circles."""
-    to_centre = circles[None, :, :2] - poses[:, None, :2]
-    gap = np.hypot(to_centre[:, :, 0], to_centre[:, :, 1])
+    to_center = circles[None, :, :2] - poses[:, None, :2]
+    gap = np.hypot(to_center[:, :, 0], to_center[:, :, 1])
     radius = circles[None, :, 2]
     half = np.arcsin(np.minimum(radius / np.maximum(gap, 1e-9), 1.0))
-    bearing = np.arctan2(to_centre[:, :, 1], to_centre[:, :, 0])
+    bearing = np.arctan2(to_center[:, :, 1], to_center[:, :, 0])
     return gap - radius <= scanner.range_max_m, bearing - half - poses[:, None, 2], 2 * half
 
 
@@ -203,7 +203,7 @@ def _circle_ranges(
     circles: Float64Array, origins: Float64Array, bearing: Float64Array
 ) -> Float64Array:
     """Return where beams enter circles, metres along the beam."""
-    to_centre = circles[:, :2] - origins
-    ahead = to_centre[:, 0] * np.cos(bearing) + to_centre[:, 1] * np.sin(bearing)
-    aside = to_centre[:, 0] * np.sin(bearing) - to_centre[:, 1] * np.cos(bearing)
+    to_center = circles[:, :2] - origins
+    ahead = to_center[:, 0] * np.cos(bearing) + to_center[:, 1] * np.sin(bearing)
+    aside = to_center[:, 0] * np.sin(bearing) - to_center[:, 1] * np.cos(bearing)
     return np.asarray(ahead - np.sqrt(np.maximum(circles[:, 2] ** 2 - aside**2, 0.0)))

@@ -61,5 +61,5 @@ def _add_grass(builder: WorldBuilder, area: tuple[float, float, float, float]) -
     for _ in range(30):
         x, y = rng.uniform(area[:2], area[2:])
         for _ in range(4):
-            centre = (float(x + rng.normal(0, 0.5)), float(y + rng.normal(0, 0.5)))
-            builder.add_circle("grass", centre, float(rng.uniform(0.03, 0.1)))
+            center = (float(x + rng.normal(0, 0.5)), float(y + rng.normal(0, 0.5)))
+            builder.add_circle("grass", center, float(rng.uniform(0.03, 0.1)))

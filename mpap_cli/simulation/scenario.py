@@ -16,6 +16,15 @@ from mpap_cli.simulation.sources import SCAN_TOPIC, Run
 
 __all__ = ["SCAN_TOPIC", "SimulatedLog", "TruthContact", "simulate"]
 
+CONTACT_COLUMNS = {
+    "log": "base name of the log",
+    "start_s": "onset in seconds since the first message of the log",
+    "end_s": "release, likewise",
+    "visible": "1 if the laser can see what is touched",
+    "cause": "what was touched",
+    "bearing_deg": "where it was touched, degrees to the left of straight ahead",
+}
+
 
 @dataclass(frozen=True, slots=True)
 class TruthContact:
@@ -129,7 +138,7 @@ def _write_truth(path: Path, log: str, start_ns: int, contacts: tuple[TruthConta
     try:
         with path.open("w", encoding="utf-8", newline="") as file:
             table = csv.writer(file, lineterminator="\n")
-            table.writerow(("log", "start_s", "end_s", "visible", "cause", "bearing_deg"))
+            table.writerow(CONTACT_COLUMNS)
             for contact in contacts:
                 start_s = (contact.start_ns - start_ns) / NS_PER_S
                 end_s = (contact.end_ns - start_ns) / NS_PER_S

@@ -26,7 +26,7 @@ class Shapes:
     segments : ndarray of shape (n, 4)
         x, y of one end and of the other, metres.
     circles : ndarray of shape (m, 3)
-        x, y of the centre and radius, metres.
+        x, y of the center and radius, metres.
 
     Examples
     --------
@@ -59,11 +59,11 @@ class Shapes:
             i = int(gaps.argmin())
             best = Nearest(i, float(gaps[i]), float(touched[i, 0]), float(touched[i, 1]))
         if len(self.circles):
-            centre_gaps = np.hypot(self.circles[:, 0] - x, self.circles[:, 1] - y)
-            gaps = centre_gaps - self.circles[:, 2]
+            center_gaps = np.hypot(self.circles[:, 0] - x, self.circles[:, 1] - y)
+            gaps = center_gaps - self.circles[:, 2]
             i = int(gaps.argmin())
             if gaps[i] < best.distance_m:
-                shrink = self.circles[i, 2] / max(float(centre_gaps[i]), 1e-9)
+                shrink = self.circles[i, 2] / max(float(center_gaps[i]), 1e-9)
                 touched_x = self.circles[i, 0] + (x - self.circles[i, 0]) * shrink
                 touched_y = self.circles[i, 1] + (y - self.circles[i, 1]) * shrink
                 index = len(self.segments) + i

@@ -121,20 +121,20 @@ class WorldBuilder:
         self.bodies += [Body(name, ends) for ends in itertools.pairwise(points)]
 
     def add_box(
-        self, name: str, centre: tuple[float, float], size: tuple[float, float], turn: float = 0.0
+        self, name: str, center: tuple[float, float], size: tuple[float, float], turn: float = 0.0
     ) -> None:
-        """Add a rectangle, turned by radians about its centre."""
-        corners = turned_corners(centre, size, turn)
+        """Add a rectangle, turned by radians about its center."""
+        corners = turned_corners(center, size, turn)
         self._add_segments(name, [*corners, corners[0]])
         self.bodies.append(Body(name, tuple(corners)))
-        self.footprints.append((*centre, math.hypot(*size) / 2))
+        self.footprints.append((*center, math.hypot(*size) / 2))
 
-    def add_circle(self, name: str, centre: tuple[float, float], radius_m: float) -> None:
+    def add_circle(self, name: str, center: tuple[float, float], radius_m: float) -> None:
         """Add a round thing."""
-        self._circles.append((*centre, radius_m))
+        self._circles.append((*center, radius_m))
         self._circle_names.append(name)
-        self.bodies.append(Body(name, (centre,), radius_m))
-        self.footprints.append((*centre, radius_m))
+        self.bodies.append(Body(name, (center,), radius_m))
+        self.footprints.append((*center, radius_m))
 
     def find_place(
         self, area: tuple[float, float, float, float], radius_m: float, gap_m: float
@@ -190,7 +190,7 @@ class WorldBuilder:
 
 
 def turned_corners(
-    centre: tuple[float, float], size: tuple[float, float], turn: float
+    center: tuple[float, float], size: tuple[float, float], turn: float
 ) -> list[tuple[float, float]]:
     """Return the four corners of a rectangle, counter-clockwise.
 
@@ -202,8 +202,8 @@ def turned_corners(
     signs = ((-1, -1), (1, -1), (1, 1), (-1, 1))
     return [
         (
-            centre[0] + sx * half_x * c - sy * half_y * s,
-            centre[1] + sx * half_x * s + sy * half_y * c,
+            center[0] + sx * half_x * c - sy * half_y * s,
+            center[1] + sx * half_x * s + sy * half_y * c,
         )
         for sx, sy in signs
     ]

@@ -106,9 +106,9 @@ class AppearanceModel(LearntAppearance):
         self.settle(batch.bumps, batch.poses, batch.until_ns)
         return learnt
 
-    def embed(self, frames: Sequence[Frame]) -> PatchBlock:
-        """Turn images into features of their patches (section 4.2.2)."""
-        return self._embedder.transform(frames)
+    def embed(self, frames: Sequence[Frame], jobs: int = 1) -> PatchBlock:
+        """Turn images into features of their patches (section 4.2.2), in so many threads."""
+        return self._embedder.transform(frames, jobs)
 
     def learn(self, block: PatchBlock) -> LearntPatches:
         """Add patches to the clusters (Algorithm 2); their labels come later."""

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TypedDict
+from typing import Annotated, TypedDict
 
 from mpap_cli.clustering.meta_points import MetaPoints
 from mpap_cli.clustering.two_scale import TwoScale
@@ -12,6 +12,7 @@ from mpap_cli.params import TARGETS, Settings
 from mpap_cli.properties.counts import cluster_counts, jeffreys, ratio
 from mpap_cli.properties.labels import EARLY
 from mpap_cli.properties.visits import Visits
+from mpap_cli.systems.columns import Sensor
 from mpap_cli.systems.labelling import LogSource
 from mpap_cli.systems.model_parts import ModelParts
 
@@ -28,25 +29,29 @@ class ClusterRow:
     and of the last one, in which the cluster was seen.
     """
 
-    sensor: str
-    feature: str
-    bins: int
-    profile: str
-    cluster: int
-    observations: int
-    collisions: int
-    non_collisions: int
-    presses: int
-    visits: int
-    p_collision: float | None
-    p_low: float | None
-    p_high: float | None
-    meta_points: int
-    exemplar_log: str
-    exemplar_time_s: float
-    exemplar_stamp_ns: int
-    first_seen_s: float
-    last_seen_s: float
+    sensor: Sensor
+    feature: Annotated[str, "value of a bin of a scan, or the feature of a patch"]
+    bins: Annotated[int, "number of bins of a scan, of a patch: values of its feature"]
+    profile: Annotated[str, "`robust` or `paper`"]
+    cluster: Annotated[int, "number of the cluster"]
+    observations: Annotated[int, "scans or patches in it"]
+    collisions: Annotated[int, "those labelled as collision"]
+    non_collisions: Annotated[int, "those labelled as free"]
+    presses: Annotated[int, "presses that began or lasted in it"]
+    visits: Annotated[int, "runs of observations in it, parted by two seconds or more"]
+    p_collision: Annotated[
+        float | None, "probability of a collision; empty where no label is counted"
+    ]
+    p_low: Annotated[float | None, "lower end of the 95 % interval over visits"]
+    p_high: Annotated[float | None, "upper end of it"]
+    meta_points: Annotated[int, "meta-points, or exemplars of patches, in it"]
+    exemplar_log: Annotated[str, "log of the real observation that stands for it"]
+    exemplar_time_s: Annotated[float, "seconds since the first message of that log"]
+    exemplar_stamp_ns: Annotated[int, "the same in nanoseconds, as in the log"]
+    first_seen_s: Annotated[
+        float, "seconds since the first message of the first log that showed it"
+    ]
+    last_seen_s: Annotated[float, "seconds since the first message of the last log that showed it"]
 
 
 def pair_of(settings: Settings, target: str) -> int:

@@ -74,8 +74,8 @@ class CollisionModel:
         What an older model knows (it is learnt on, not copied); its settings count.
     online : bool
         Cluster again while a log is replayed: whenever the cluster-points have grown by
-        20 or by a tenth, at most once per second of log time. Else only at the end of
-        each log.
+        20 or by a tenth, at most once per second of log time. Else only after the end of
+        a log, when what was learnt is asked for.
 
     Notes
     -----
@@ -92,6 +92,7 @@ class CollisionModel:
         self._known = parts
         self._spool = VisitSpool()
         self._online = online
+        self._stale = False
         self._log: _OpenLog | None = None
 
     @property
@@ -107,7 +108,7 @@ class CollisionModel:
     @property
     def clustering(self) -> Clustering:
         """The last clustering of the cluster-points."""
-        return self._known.clustered.clustering
+        return self._clustered().clustered.clustering
 
     @property
     def logs(self) -> tuple[LogSource, ...]:
@@ -125,13 +126,7 @@ class CollisionModel:
         )
 
     def observe(self, batch: Batch) -> tuple[LearntBlock, ...]:
-        """Take in what the log holds up to ``batch.until_ns``.
-
-        Returns
-        -------
-        tuple of LearntBlock
-            One for each block of scans.
-        """
+        """Take in what the log holds up to ``batch.until_ns``: one result a block of scans."""
         learnt = tuple(self.learn(self.embed(block)) for block in batch.scans)
         self.settle(batch.bumps, batch.until_ns)
         return learnt
@@ -159,12 +154,7 @@ class CollisionModel:
             self.recluster()
 
     def end_log(self, end_ns: int) -> tuple[Press, ...] | None:
-        """Count the labels that still wait, and cluster.
-
-        Parameters
-        ----------
-        end_ns : int
-            Stamp of the log's last message.
+        """Count the labels that still wait; the log's last message is stamped ``end_ns``.
 
         Returns
         -------
@@ -176,14 +166,15 @@ class CollisionModel:
         presses = log.labeller.presses
         source = log.start.source(end_ns, log.n_scans, presses)
         self._known = replace(self._known, logs=(*self.logs, source))
-        self._log = None
-        self.recluster()
+        self._log, self._stale = None, True
+        if self._online:
+            self.recluster()
         return presses
 
     def recluster(self) -> None:
         """Run affinity propagation over the cluster-points and fit what probabilities mean."""
         clustered = replace(self._known, clustered=recluster(self.meta_points, self.settings))
-        self._known = fit_reading(clustered)
+        self._known, self._stale = fit_reading(clustered), False
 
     def finish(self) -> None:
         """Sum up the visits; the temporary file that they were counted from goes."""
@@ -193,11 +184,11 @@ class CollisionModel:
 
     def predict(self, block: FeatureBlock, target: str = "contact") -> Prediction:
         """Tell what the model says of observations (:func:`reading.predict`)."""
-        return predict(self._known, block.features, target)
+        return predict(self._clustered(), block.features, target)
 
     def clusters(self) -> list[ClusterRow]:
         """Describe the clusters: the rows of clusters.csv."""
-        return make_cluster_rows(self._known, self._visits())
+        return make_cluster_rows(self._clustered(), self._visits())
 
     def self_check(self) -> SelfCheck:
         """Tell whether theta suits the data."""
@@ -205,8 +196,8 @@ class CollisionModel:
 
     def parts(self) -> ModelParts:
         """Return what the model knows; its meta-points are shared, not copied."""
-        carried = CarriedVisits.of(self._visits(), self._known.clustered)
-        return replace(self._known, carried=carried)
+        known = self._clustered()
+        return replace(known, carried=CarriedVisits.of(self._visits(), known.clustered))
 
     def state(self) -> ModelState:
         """Return the model as arrays and a header, to be kept between two logs."""
@@ -229,9 +220,15 @@ class CollisionModel:
             raise RuntimeError(msg)
         return self._log
 
+    def _clustered(self) -> ModelParts:
+        """Return what is known; a run of affinity propagation serves all logs before it."""
+        if self._stale:
+            self.recluster()
+        return self._known
+
     def _visits(self) -> Visits:
         """Count the visits of each cluster over all logs."""
-        clustered = self._known.clustered
+        clustered = self._clustered().clustered
         before = self._known.carried.visits(clustered)
         return before + self._spool.count(clustered.clusters_of, clustered.n_clusters)
 

@@ -1,13 +1,17 @@
 """Labels of one log while it is replayed: presses, the queue, settled labels (Figure 1)."""
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Generic, Protocol, TypeVar
 
 from mpap_cli.observations import Bump, Int8Array, ObservedLog, Press
 from mpap_cli.params import BumperParams
 from mpap_cli.properties.labels import NO_LABEL
 from mpap_cli.properties.presses import PressTracker
+
+_START, _END = attrgetter("start_ns"), attrgetter("end_ns")
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +138,7 @@ class LogLabeller(Generic[SettledT_co]):
             self._tracker.settle(until_ns)
         if not self._start.has_labels:
             return self._end_queue()
-        return self._queue.settle(self._presses_that_matter(), until_ns)
+        return self._queue.settle(self._presses_that_matter(until_ns), until_ns)
 
     def end(self, end_ns: int) -> SettledT_co:
         """Close the log, whose last message is stamped ``end_ns``, and return the rest."""
@@ -148,8 +152,14 @@ class LogLabeller(Generic[SettledT_co]):
             settled.labels[:] = NO_LABEL
         return settled
 
-    def _presses_that_matter(self) -> tuple[Press, ...]:
-        """Return the presses near the observations that wait."""
-        if self._tracker is None:
-            return self._start.presses or ()
-        return self._tracker.recent(self._queue.needs_presses_from_ns)
+    def _presses_that_matter(self, until_ns: int | None = None) -> tuple[Press, ...]:
+        """Return the presses near the observations that wait, none that begin later."""
+        from_ns = self._queue.needs_presses_from_ns
+        if from_ns is None:
+            return ()
+        if self._tracker is not None:
+            return self._tracker.recent(from_ns)
+        presses = self._start.presses or ()
+        first = bisect_right(presses, from_ns, key=_END)
+        last = len(presses) if until_ns is None else bisect_right(presses, until_ns, key=_START)
+        return presses[first:last]

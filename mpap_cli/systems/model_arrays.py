@@ -12,6 +12,8 @@ from mpap_cli.observations import Clustering, IntArray
 from mpap_cli.params import Settings, make_settings, settings_values
 from mpap_cli.systems.labelling import LogSource
 
+_MOST = np.iinfo(np.int64).max
+
 
 @dataclass(frozen=True, slots=True)
 class Header:
@@ -53,7 +55,7 @@ def read_header(header: Mapping[str, Any], kind: str, version: int) -> Header:
     try:
         settings = make_settings(header["profile"], header["settings"])
         logs = tuple(_log_source(log) for log in header["logs"])
-        return Header(settings, logs, int(header["n_iter"]), bool(header["converged"]))
+        return Header(settings, logs, _whole(header["n_iter"], 0), bool(header["converged"]))
     except (KeyError, TypeError, ValueError, AttributeError, SettingError) as err:
         msg = f"model: its header does not fit this version ({err!r}); learn it again"
         raise ModelError(msg) from err
@@ -63,12 +65,20 @@ def _log_source(log: Mapping[str, Any]) -> LogSource:
     n_presses = log["n_presses"]
     return LogSource(
         name=str(log["name"]),
-        start_ns=int(log["start_ns"]),
-        end_ns=int(log["end_ns"]),
-        n_observations=int(log["n_observations"]),
-        n_presses=None if n_presses is None else int(n_presses),
+        start_ns=_whole(log["start_ns"], -_MOST),
+        end_ns=_whole(log["end_ns"], -_MOST),
+        n_observations=_whole(log["n_observations"], 0),
+        n_presses=None if n_presses is None else _whole(n_presses, 0),
         bump_source=str(log["bump_source"]),
     )
+
+
+def _whole(number: object, least: int) -> int:
+    """Return a whole number that arrays can hold too; ValueError if it is anything else."""
+    if not isinstance(number, int) or not least <= number <= _MOST:
+        msg = f"found {number!r:.40}, expected a whole number"
+        raise ValueError(msg)
+    return number
 
 
 def read_array(

@@ -22,6 +22,7 @@ KIND = "mpap collision model"
 VERSION = 2
 _META = "meta_points."
 _FIGURES = ("damping", "net_similarity", "preference", "slope", "offset")
+_LENGTH_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,7 +170,9 @@ def _check(parts: ModelParts) -> None:
         (np.diff(clustering.exemplars) > 0).all()
     )
     slope_offset = (parts.contact_map.slope, parts.contact_map.offset)
+    off = np.abs(np.square(points.exemplars, dtype=np.float64).sum(axis=1) - 1.0)
     checks = {
+        "meta_points.normalised": points.normalized and (off < _LENGTH_TOLERANCE).all(),
         "clustering.ids": (np.diff(ids) > 0).all()
         and (rows >= 0).all()
         and points.is_cluster_point[rows].all(),

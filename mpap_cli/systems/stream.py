@@ -3,9 +3,13 @@
 import threading
 from collections.abc import Generator, Iterable, Iterator
 from queue import Queue
+from time import monotonic
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
+
+PATIENCE_S = 0.25
+"""So long whoever stops early waits for the thread, which may hang on a web server."""
 
 
 def prefetch(items: Iterable[T], jobs: int, depth: int = 2) -> Iterator[T]:
@@ -24,7 +28,8 @@ def prefetch(items: Iterable[T], jobs: int, depth: int = 2) -> Iterator[T]:
     ------
     object
         The items in their order. An exception of ``items`` is raised where it would have
-        come. Who stops early closes the thread with the generator.
+        come. Who stops early closes the thread with the generator; a thread that still waits
+        for its item after `PATIENCE_S` is left behind, and ends when it has it.
 
     Examples
     --------
@@ -56,14 +61,15 @@ class _Worker(Generic[T]):
         """Fill the queue until the items end or nobody wants them any more."""
         try:
             for item in self._items:
-                self._queue.put((item,))
                 if self._stopped.is_set():
                     break
+                self._queue.put((item,))
             if isinstance(self._items, Generator):
                 self._items.close()
         except BaseException as error:  # noqa: BLE001  # raised again in the other thread
             self._error = error
-        self._queue.put(None)
+        if not self._stopped.is_set():
+            self._queue.put(None)
 
     def take(self) -> Iterator[T]:
         """Yield what the thread made, then raise what it raised."""
@@ -75,7 +81,8 @@ class _Worker(Generic[T]):
     def stop(self) -> None:
         """End the thread: it may hang on a full queue, so empty that until it is done."""
         self._stopped.set()
-        while self.thread.is_alive():
+        deadline_s = monotonic() + PATIENCE_S
+        while self.thread.is_alive() and monotonic() < deadline_s:
             while not self._queue.empty():
                 self._queue.get()
             self.thread.join(timeout=0.01)

@@ -229,7 +229,7 @@ def test_a_failed_run_leaves_older_results_as_they_were(
 
     assert outcome.code == 2
     assert {path.name: path.read_bytes() for path in (out / "learn").iterdir()} == before
-    assert sorted(path.name for path in out.iterdir()) == ["learn"]
+    assert sorted(path.name for path in out.iterdir()) == ["learn", "report.html"]
 
 
 def test_an_output_that_is_a_file_is_refused(

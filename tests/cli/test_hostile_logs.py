@@ -104,5 +104,5 @@ def test_logs_with_odd_names_do_no_harm(
     assert not any("mpap: forged" in line[:12] for one in outcomes for line in one.err.splitlines())
     assert [path.name for path in (tmp_path / "logs").iterdir()] == [name]
     assert {path.name for path in tmp_path.iterdir()} == {"logs", "out"}
-    assert {path.name for path in out.iterdir()} == {"learn", "predict", "novelty"}
+    assert {path.name for path in out.iterdir()} == {"learn", "predict", "novelty", "report.html"}
     assert all(file.replace("/", "").isascii() for file in names_in(out))

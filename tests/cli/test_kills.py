@@ -1,10 +1,106 @@
 """A run that is killed at any moment loses nothing and stands in nobody's way."""
 
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from benchmarks.kills import kill_often
+from mpap_cli.errors import OutputError
+from mpap_cli.outputs.publishing import lock_of
+from mpap_cli.outputs.results_folder import ResultsFolder
+from mpap_cli.outputs.results_reader import read_results
+
+OLDER = {"a.csv": "1", "b.csv": "1", "deep/gone.png": "1"}
+NEWER = {"a.csv": "2", "b.csv": "1", "deep/new.png": "2", "z.csv": "2"}
+MOST_STEPS = 30
+
+# writes results as a command does, and kills itself after its n-th change of the folders
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from mpap_cli.outputs.results_folder import ResultsFolder
+
+left = int(sys.argv[2])
+
+def deadly(change):
+    def call(*words, **more):
+        global left
+        done = change(*words, **more)
+        left -= 1
+        if left == 0:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return done
+    return call
+
+for name in ("replace", "rename", "unlink", "mkdir", "rmdir"):
+    setattr(os, name, deadly(getattr(os, name)))
+with ResultsFolder(Path(sys.argv[1]), "learn") as results:
+    for word in sys.argv[3:]:
+        name, _, text = word.partition("=")
+        results.path(name).write_text(text)
+    results.commit({}, inputs=[])
+"""
+
+
+def write(out: Path, contents: dict[str, str]) -> None:
+    """Write results undisturbed."""
+    with ResultsFolder(out, "learn") as results:
+        for name, text in contents.items():
+            results.path(name).write_text(text, encoding="utf-8")
+        results.commit({}, inputs=[])
+
+
+def found_in(out: Path) -> dict[str, str]:
+    """Return the results of a folder, which must be whole."""
+    results = read_results(out / "learn")
+    return {name: results.path(name).read_text(encoding="utf-8") for name in results.outputs}
+
+
+def killed_after(n_steps: int, out: Path) -> bool:
+    """Write the newer results in a process that dies after so many steps; false if it lived."""
+    words = [f"{name}={text}" for name, text in NEWER.items()]
+    line = [sys.executable, "-c", KILLED, str(out), str(n_steps), *words]
+    ended = subprocess.run(line, check=False)  # noqa: S603  # the script above
+    assert ended.returncode in {0, -signal.SIGKILL}
+    return ended.returncode != 0
+
+
+def is_mixed(out: Path) -> bool:
+    """Whether who cannot mend the results is told that they are mixed, or finds them whole."""
+    lock = lock_of(out / "learn")
+    lock.acquire()
+    try:
+        assert found_in(out) in (OLDER, NEWER)
+    except OutputError as error:
+        return "run mpap learn again" in str(error)
+    finally:
+        lock.release()
+    return False
+
+
+def test_a_kill_between_any_two_steps_loses_nothing(tmp_path: Path) -> None:
+    """After each change of a folder: older or newer results, named if mixed, and room for more."""
+    seen, n_mixed, n_steps = [], 0, 1
+    while n_steps < MOST_STEPS:
+        out = tmp_path / str(n_steps)
+        write(out, OLDER)
+        if not killed_after(n_steps, out):
+            break
+        n_mixed += is_mixed(out)
+        seen.append(found_in(out))
+        write(out, NEWER)
+        assert found_in(out) == NEWER
+        assert [path.name for path in out.iterdir()] == ["learn"]
+        assert not (out / "learn" / "deep" / "gone.png").exists()
+        n_steps += 1
+
+    assert 10 < n_steps < MOST_STEPS
+    assert n_mixed > 3
+    assert seen == [OLDER] * seen.count(OLDER) + [NEWER] * seen.count(NEWER)
+    assert set(map(len, seen)) == {3, 4}
 
 
 @pytest.mark.slow

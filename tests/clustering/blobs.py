@@ -1,4 +1,4 @@
-"""Observations on the unit sphere around given centres."""
+"""Observations on the unit sphere around given centers."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from mpap_cli.observations import Float32Array, Float64Array
 N_DIMS = 40
 
 
-def centres(n: int, seed: int = 0) -> Float64Array:
+def centers(n: int, seed: int = 0) -> Float64Array:
     """Embedded histograms that are far apart: no two nearer than 0.4."""
     return embed(np.random.default_rng(seed).dirichlet(np.full(N_DIMS - 1, 0.3), n)).astype(
         np.float64

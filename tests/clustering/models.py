@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from mpap_cli.clustering.two_scale import Insertion, TwoScale
 from mpap_cli.observations import Float32Array, IntArray
 from mpap_cli.params import AffinityParams, StrapParams
-from tests.clustering.blobs import N_DIMS, around, centres
+from tests.clustering.blobs import N_DIMS, around, centers
 
 AFFINITY = AffinityParams()
 
@@ -16,7 +16,7 @@ AFFINITY = AffinityParams()
 def stream(n: int, kinds: int, seed: int = 0, spread: float = 0.13) -> Float32Array:
     """Observations of so many kinds in any order, some of them too far out to fit."""
     rng = np.random.default_rng(seed)
-    return around(centres(kinds)[rng.integers(0, kinds, n)], spread, rng)
+    return around(centers(kinds)[rng.integers(0, kinds, n)], spread, rng)
 
 
 def new_model(**params: Any) -> TwoScale:

@@ -37,9 +37,9 @@ def squared_distance(u: Sequence[float], v: Sequence[float]) -> float:
 class Reference:
     """Two plain lists of meta-points and the pseudo-code."""
 
-    def __init__(self, params: MetaPointParams, *, normalised: bool) -> None:
+    def __init__(self, params: MetaPointParams, *, normalized: bool) -> None:
         self.params = params
-        self.normalised = normalised
+        self.normalized = normalized
         self.cluster_points: list[MetaPoint] = []
         self.noise_points: list[MetaPoint] = []
         self.n_made = 0
@@ -83,7 +83,7 @@ class Reference:
 
     def nearest_neighbor(self, among: list[MetaPoint], p: list[float]) -> MetaPoint | None:
         """Return the nearest one if it is within theta; the oldest of equals."""
-        factor = 0.5 if self.normalised else 1.0
+        factor = 0.5 if self.normalized else 1.0
         nearest = min(among, key=lambda n: (squared_distance(p, n.reference), n.id), default=None)
         theta = self.params.theta
         if nearest and factor * squared_distance(p, nearest.reference) < theta * theta:
@@ -98,7 +98,7 @@ class Reference:
         nn.last_ns = stamp_ns
         nn.sums = [total + x for total, x in zip(nn.sums, p, strict=True)]
         divisor = math.sqrt(squared_distance([0.0] * len(p), nn.sums))
-        if not self.normalised or divisor == 0:
+        if not self.normalized or divisor == 0:
             divisor = nn.count
         mean = [total / divisor for total in nn.sums]
         nearer = squared_distance(p, mean) < squared_distance(nn.exemplar, mean)

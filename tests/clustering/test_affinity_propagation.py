@@ -275,7 +275,7 @@ def test_small_problems_reach_the_best_net_similarity(seed: int) -> None:
     assert result.net_similarity == pytest.approx(net(s, p, tuple(result.exemplars)))
 
 
-def test_refinement_centres_the_exemplars() -> None:
+def test_refinement_centers_the_exemplars() -> None:
     """Each exemplar is the member with the largest sum within its cluster."""
     s = squared(np.random.default_rng(5).normal(size=(60, 2)))
 
@@ -348,14 +348,14 @@ def plain_messages(s: Float64Array, damping: float, n_iter: int) -> tuple[Float6
 @pytest.mark.parametrize("compiled", [True, False])
 def test_kernel_equals_the_printed_equations(compiled: bool) -> None:
     """Availabilities of one sweep are those that the next one finishes."""
-    n, n_iter = 37, 6
+    n, n_iter = _kernels._LANES + 9, 3
     s = squared(np.random.default_rng(9).normal(size=(n, 2)))
     np.fill_diagonal(s, -2.0)
     messages = _kernels.start_messages(np.empty((n, n)), np.empty((n, n)))
     sweep = _kernels._sweep if compiled else _kernels._sweep.py_func
 
     for _ in range(n_iter):
-        sweep(s, messages, 0.7, np.empty((2, 32)))
+        sweep(s, messages, 0.7, np.empty((2, _kernels._LANES)))
 
     a, r = plain_messages(s, 0.7, n_iter)
     assert np.allclose(messages.a_diagonal, np.diagonal(a))
@@ -416,8 +416,8 @@ def random_problem(seed: int) -> tuple[Float64Array, float]:
     """Points in blobs or spread out, in one to five dimensions, and a preference."""
     rng = np.random.default_rng(seed)
     n, d = int(rng.integers(5, 90)), int(rng.integers(1, 6))
-    centres = rng.normal(scale=float(rng.choice([0.0, 2.0, 6.0])), size=(5, d))
-    s = squared(centres[rng.integers(0, 5, n)] + rng.normal(size=(n, d)))
+    centers = rng.normal(scale=float(rng.choice([0.0, 2.0, 6.0])), size=(5, d))
+    s = squared(centers[rng.integers(0, 5, n)] + rng.normal(size=(n, d)))
     off_diagonal = s[~np.eye(n, dtype=bool)]
     return s, float(np.quantile(off_diagonal, rng.choice([0.0, 0.25, 0.5, 0.9])))
 

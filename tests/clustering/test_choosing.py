@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from mpap_cli.clustering.strap_rows.choosing import cover
 from mpap_cli.distance import squared_distances
-from tests.clustering.blobs import N_DIMS, around, centres, items_of
+from tests.clustering.blobs import N_DIMS, around, centers, items_of
 
 
 def test_covering_adds_the_heaviest_first_and_is_strict() -> None:
@@ -23,7 +23,7 @@ def test_covering_adds_the_heaviest_first_and_is_strict() -> None:
 def test_covering_leaves_nothing_outside(seed: int, eps: float) -> None:
     """Each item that is to be kept is strictly within the fit radius of an exemplar."""
     rng = np.random.default_rng(seed)
-    items = items_of(around(centres(12)[rng.integers(0, 12, 60)], 0.15, rng))
+    items = items_of(around(centers(12)[rng.integers(0, 12, 60)], 0.15, rng))
     items.counts[:] = rng.integers(1, 4, 60)
     start = np.unique(rng.integers(0, 60, 3))
     kept = np.flatnonzero(rng.random(60) < 0.5)

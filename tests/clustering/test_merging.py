@@ -16,7 +16,7 @@ from mpap_cli.params import AffinityParams, MetaPointParams
 
 def leaf(xs: list[float], **params: object) -> MetaPoints:
     """Meta-points of points on a line, theta 1, the first stamp being the first x."""
-    made = MetaPoints(MetaPointParams(**{"theta": 1.0, **params}), 1, normalised=False)  # type: ignore[arg-type]
+    made = MetaPoints(MetaPointParams(**{"theta": 1.0, **params}), 1, normalized=False)  # type: ignore[arg-type]
     points = np.array(xs, np.float32)[:, None]
     made.add_data_points(points, np.arange(len(xs)) + int(xs[0] if xs else 0))
     return made
@@ -25,11 +25,11 @@ def leaf(xs: list[float], **params: object) -> MetaPoints:
 def random_leaves(seed: int, reference: str) -> list[MetaPoints]:
     """Four logs of one world, with labels."""
     rng = np.random.default_rng(seed)
-    centres = rng.dirichlet(np.full(6, 0.4), 5)
+    centers = rng.dirichlet(np.full(6, 0.4), 5)
     leaves = []
     for _ in range(4):
         made = MetaPoints(MetaPointParams(theta=0.25, reference=reference), 7)
-        u = embed(rng.gamma(1e-3 + 40 * centres[rng.integers(0, 5, 60)])).astype(np.float32)
+        u = embed(rng.gamma(1e-3 + 40 * centers[rng.integers(0, 5, 60)])).astype(np.float32)
         u[rng.integers(0, 60, 10)] = u[0]
         ids, _ = made.add_data_points(u, rng.integers(0, 5, 60).cumsum())
         made.add_counts(ids, 1, rng.random(60) < 0.3)
@@ -78,10 +78,17 @@ def test_merging_one_model_changes_nothing_but_ids() -> None:
     assert merged.is_cluster_point.tolist() == [True, True, False]
 
 
-def test_two_cluster_points_join_only_within_half_of_theta() -> None:
-    """Otherwise too few of them would be left."""
-    near = merge_meta_points([leaf([0.0, 0.0]), leaf([0.4, 0.4])])
-    far = merge_meta_points([leaf([0.0, 0.0]), leaf([0.6, 0.6])])
+@pytest.mark.parametrize(
+    ("reference", "joins", "stays"), [("mean", 0.4, 0.6), ("exemplar", 0.85, 0.95)]
+)
+def test_two_cluster_points_join_only_when_nearer_than_theta(
+    reference: str, joins: float, stays: float
+) -> None:
+    """Otherwise too few of them would be left; means drift apart, exemplars do not."""
+    placed = leaf([0.0, 0.0], reference=reference)
+
+    near = merge_meta_points([placed, leaf([joins, joins], reference=reference)])
+    far = merge_meta_points([placed, leaf([stays, stays], reference=reference)])
 
     assert near.count.tolist() == [4]
     assert far.count.tolist() == [2, 2]
@@ -143,7 +150,7 @@ def test_models_of_different_settings_cannot_be_merged() -> None:
     with pytest.raises(ModelError, match="min-points is 2 and 5; learn with one min-points"):
         merge_meta_points([leaf([0.0]), leaf([0.0], min_points=5)])
     with pytest.raises(ModelError, match="points have 1 and 3 coordinates"):
-        merge_meta_points([leaf([0.0]), MetaPoints(leaf([]).params, 3, normalised=False)])
+        merge_meta_points([leaf([0.0]), MetaPoints(leaf([]).params, 3, normalized=False)])
     with pytest.raises(ModelError, match="nothing to merge"):
         merge_meta_points([])
 

@@ -21,7 +21,7 @@ def on_a_line(*xs: float) -> Float32Array:
 
 def line(xs: list[float], **params: float | str | None) -> MetaPoints:
     """Meta-points of points on a line, one nanosecond apart, theta 1."""
-    made = MetaPoints(MetaPointParams(**{"theta": 1.0, **params}), 1, normalised=False)  # type: ignore[arg-type]
+    made = MetaPoints(MetaPointParams(**{"theta": 1.0, **params}), 1, normalized=False)  # type: ignore[arg-type]
     made.add_data_points(on_a_line(*xs), np.arange(len(xs)))
     return made
 
@@ -157,7 +157,7 @@ def test_cluster_points_are_never_forgotten() -> None:
 
 def test_memory_is_bounded_by_the_cap() -> None:
     """A stream of nothing but noise leaves tables of a fixed size."""
-    points = MetaPoints(MetaPointParams(theta=0.5, max_noise=50), 1, normalised=False)
+    points = MetaPoints(MetaPointParams(theta=0.5, max_noise=50), 1, normalized=False)
 
     for start in range(0, 6_000, 300):
         xs = np.arange(start, start + 300, dtype=np.float32)[:, None]
@@ -192,7 +192,7 @@ def test_clusters_are_made_of_cluster_points_only() -> None:
 def test_count_weights_favour_more_clusters() -> None:
     """With weights the preference is that of one point, not of a meta-point."""
     rng = np.random.default_rng(0)
-    points = MetaPoints(MetaPointParams(theta=0.5, min_points=1), 2, normalised=False)
+    points = MetaPoints(MetaPointParams(theta=0.5, min_points=1), 2, normalized=False)
     points.add_data_points(rng.normal(size=(400, 2)).astype(np.float32), np.arange(400))
 
     plain = points.cluster(AffinityParams(preference="median"))
@@ -264,7 +264,7 @@ def test_points_that_do_not_fit_are_an_error() -> None:
 def test_arguments_are_neither_changed_nor_kept() -> None:
     """Writing into what was given or returned changes nothing inside."""
     x, stamps = on_a_line(0.0, 0.2), np.arange(2)
-    points = MetaPoints(MetaPointParams(theta=1.0), 1, normalised=False)
+    points = MetaPoints(MetaPointParams(theta=1.0), 1, normalized=False)
     points.add_data_points(x, stamps)
     before = points.state()
 

@@ -12,7 +12,7 @@ from mpap_cli.clustering.strap_rows.state import StrapParts
 from mpap_cli.distance import squared_distances
 from mpap_cli.observations import NS_PER_S
 from mpap_cli.params import AffinityParams, StrapParams
-from tests.clustering.blobs import N_DIMS, around, centres, items_of
+from tests.clustering.blobs import N_DIMS, around, centers, items_of
 
 AFFINITY = AffinityParams()
 STRAP = StrapParams(eps=0.18)
@@ -29,7 +29,7 @@ def strap_of(clusters: Items, reservoir: Items, params: StrapParams) -> Strap:
 def four_parts_each(count: int, params: StrapParams) -> Strap:
     """30 kinds of four clusters each, and ten outliers of each of ten new kinds."""
     rng = np.random.default_rng(1)
-    kinds = centres(40)
+    kinds = centers(40)
     clusters = items_of(around(np.repeat(kinds[:30], 4, axis=0), 0.05, rng), count=count)
     new = items_of(around(np.repeat(kinds[30:], 10, axis=0), 0.05, rng), first_id=120)
     return strap_of(clusters, new, params)
@@ -101,7 +101,7 @@ def test_distortion_grows_by_what_a_cluster_is_moved() -> None:
 
 def test_an_exemplar_that_is_not_covered_stays_a_cluster_of_its_own() -> None:
     """Light clusters that affinity propagation would give to others survive with what they had."""
-    kinds = centres(30)
+    kinds = centers(30)
     rng = np.random.default_rng(3)
     clusters = items_of(kinds[:25].astype(np.float32))
     clusters.labels[:, 0] = np.arange(25)
@@ -129,7 +129,7 @@ def test_nothing_at_all_stays_nothing() -> None:
 
 def test_the_oldest_outliers_of_a_known_place_join_the_nearest_cluster() -> None:
     """Its counts and labels grow, its weight and distortion do not; the newest wait."""
-    kinds = centres(9).astype(np.float32)
+    kinds = centers(9).astype(np.float32)
     reservoir = items_of(kinds[2:6], first_id=2)
     reservoir.labels[:, 1] = [1, 2, 3, 4]
     params = replace(STRAP, reservoir=4, known_share=0.5, noise_share=0.9)
@@ -152,7 +152,7 @@ def test_the_oldest_outliers_of_a_known_place_join_the_nearest_cluster() -> None
 
 def test_a_window_halves_what_was_last_seen_a_window_ago() -> None:
     """Weights and distortions fade before a rebuild; counts never do."""
-    clusters = items_of(centres(3).astype(np.float32), count=8)
+    clusters = items_of(centers(3).astype(np.float32), count=8)
     clusters.faded_ns[:] = [0, 30 * NS_PER_S, 60 * NS_PER_S]
     clusters.distortion[:] = 1.0
     strap = strap_of(

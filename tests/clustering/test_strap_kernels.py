@@ -47,9 +47,9 @@ def test_the_nearest_exemplar_is_found(seed: int, k: int, d: int, levels: int) -
 def test_float32_never_decides(seed: int, scale: float) -> None:
     """Exemplars that differ by less than a float32 product can tell."""
     rng = np.random.default_rng(seed)
-    centre = rng.dirichlet(np.ones(40))
-    exemplars = embed(np.abs(centre + scale * rng.normal(size=(50, 40)))).astype(np.float32)
-    points = embed(np.abs(centre + 0.01 * rng.normal(size=(30, 40)))).astype(np.float32)
+    center = rng.dirichlet(np.ones(40))
+    exemplars = embed(np.abs(center + scale * rng.normal(size=(50, 40)))).astype(np.float32)
+    points = embed(np.abs(center + 0.01 * rng.normal(size=(30, 40)))).astype(np.float32)
 
     assert_same(points, exemplars)
 

@@ -21,13 +21,13 @@ def test_mpap_finds_the_ten_clusters(seed: int, n_noise: int) -> None:
     """From 90 to 130 cluster-points, with V = 1 on the points that are no noise."""
     made = plane_gaussians(seed, n_noise)
     points, truth = made.features, made.classes
-    meta_points = MetaPoints(MetaPointParams(theta=0.7, min_points=5), 2, normalised=False)
+    meta_points = MetaPoints(MetaPointParams(theta=0.7, min_points=5), 2, normalized=False)
 
     meta_points.add_data_points(points, np.arange(len(points)))
     clustering = meta_points.cluster(MEDIAN)
 
     cluster_points = meta_points.references()[meta_points.is_cluster_point]
-    nearest = squared_distances(points, cluster_points, normalised=False).argmin(axis=1)
+    nearest = squared_distances(points, cluster_points, normalized=False).argmin(axis=1)
     found = clustering.labels[nearest]
     assert len(clustering.exemplars) == 10
     assert 90 <= len(cluster_points) <= 130
@@ -40,7 +40,7 @@ def test_affinity_propagation_splits_clusters_because_of_noise(
     n_noise: int, low: int, high: int
 ) -> None:
     """With median preference it finds ten clusters without noise and many more with it."""
-    s = similarities(plane_gaussians(0, n_noise).features, normalised=False)
+    s = similarities(plane_gaussians(0, n_noise).features, normalized=False)
 
     clustering = affinity_propagation(s, resolve_preference(s, "median"), MEDIAN)
 

@@ -7,7 +7,7 @@ from mpap_cli.clustering.affinity_propagation import affinity_propagation
 from mpap_cli.clustering.preference import coarse_preference
 from mpap_cli.distance import similarities, squared_distances
 from mpap_cli.observations import Float32Array
-from tests.clustering.blobs import N_DIMS, around, centres
+from tests.clustering.blobs import N_DIMS, around, centers
 from tests.clustering.models import AFFINITY, add, filled, new_model, stream
 
 
@@ -43,7 +43,7 @@ def test_an_observation_at_the_fit_radius_is_an_outlier() -> None:
 def test_short_term_exemplars_explain_at_once() -> None:
     """A new kind that was seen in one image is among the fine exemplars, with its labels."""
     model, _ = filled()
-    new = around(np.repeat(centres(9)[8:], 6, axis=0), 0.05, np.random.default_rng(5))
+    new = around(np.repeat(centers(9)[8:], 6, axis=0), 0.05, np.random.default_rng(5))
     added = add(model, new)
     model.add_labels(added.ids, np.arange(6) < 4)
 
@@ -135,7 +135,7 @@ def test_a_rise_of_outliers_makes_clusters_anew_before_the_reservoir_is_full() -
         add(model, stream(200, 3, seed=1, spread=0.02))
 
     for model in models:
-        new = np.repeat(centres(4)[3:], 60, axis=0)
+        new = np.repeat(centers(4)[3:], 60, axis=0)
         add(model, around(new, 0.05, np.random.default_rng(7)))
 
     assert [model.n_rebuilds for model in models] == [1, 2]

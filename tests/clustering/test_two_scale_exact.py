@@ -9,7 +9,7 @@ from mpap_cli.clustering.two_scale import TwoScale
 from mpap_cli.distance import embed
 from mpap_cli.observations import Float32Array, IntArray
 from mpap_cli.params import AffinityParams, StrapParams
-from tests.clustering.strap_reference import Reference
+from tests.clustering.strap_reference import Reference, squared_distance
 
 AFFINITY = AffinityParams(max_iter=300)
 STRAP = st.builds(
@@ -28,13 +28,13 @@ STRAP = st.builds(
 
 @st.composite
 def streams(draw: st.DrawFn) -> Float32Array:
-    """Embedded histograms around a few centres, with copies and empty ones."""
+    """Embedded histograms around a few centers, with copies and empty ones."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     n, d = draw(st.integers(0, 90)), draw(st.sampled_from([1, 2, 5, 20]))
     sharpness = draw(st.sampled_from([1.0, 10.0, 60.0]))
-    centres = rng.dirichlet(np.full(d, 0.5), 6)
+    centers = rng.dirichlet(np.full(d, 0.5), 6)
     where = np.sort(rng.integers(0, 6, n)) if draw(st.booleans()) else rng.integers(0, 6, n)
-    histograms = rng.gamma(1e-2 + sharpness * centres[where])
+    histograms = rng.gamma(1e-2 + sharpness * centers[where])
     histograms[rng.random(n) < 0.05] = 0.0
     points: Float32Array = embed(histograms).astype(np.float32)
     if n:
@@ -108,13 +108,49 @@ def test_blocks_give_exactly_what_single_observations_give(
     assert_same(points, stamps, params, sorted(min(cut, len(points)) for cut in cuts))
 
 
+@settings(max_examples=settings().max_examples // 2)
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([1e-7, 1e-6, 1e-4, 0.05, 0.3]),
+    st.sampled_from([0, 1, 2]),
+    st.sampled_from([2, 6, 20]),
+)
+def test_points_at_the_fit_radius_are_judged_alike(
+    seed: int, scale: float, ulps: int, reservoir: int
+) -> None:
+    """The radius is a distance within the stream, or one float off; many points are nearly one."""
+    rng = np.random.default_rng(seed)
+    kinds = embed(rng.dirichlet(np.full(9, 0.5), 3))
+    points = kinds[rng.integers(0, 3, 70)] + scale * rng.normal(size=(70, 10))
+    points = (points / np.linalg.norm(points, axis=1, keepdims=True)).astype(np.float32)
+    eps = float(np.sqrt(squared_distance(points[0], points[rng.integers(1, 70)])))
+    eps = min(max(float([eps, np.nextafter(eps, 0), np.nextafter(eps, 1)][ulps]), 1e-6), 0.9)
+
+    assert_same(points, np.arange(70), StrapParams(eps=eps, reservoir=reservoir), [3, 40])
+
+
+@pytest.mark.parametrize("reservoir", [3, 15])
+def test_a_stream_that_wanders_off_is_exact(reservoir: int) -> None:
+    """Kinds that move a little with every observation, past old exemplars and onto new ones."""
+    rng = np.random.default_rng(7)
+    angle = np.cumsum(rng.uniform(0.0, 0.02, 400))
+    points = np.abs(0.03 * rng.normal(size=(400, 12)))
+    points[:, 0] += np.abs(np.cos(angle))
+    points[:, 1] += np.abs(np.sin(angle))
+    points = (points / np.linalg.norm(points, axis=1, keepdims=True)).astype(np.float32)
+
+    found = assert_same(points, np.arange(400), StrapParams(eps=0.1, reservoir=reservoir), [90])
+
+    assert found.n_rebuilds >= 2
+
+
 @pytest.mark.parametrize("known_share", [0.0, 0.3])
 def test_a_long_stream_in_many_dimensions_is_exact_too(known_share: float) -> None:
     """Hundreds of observations of 12 kinds, with fringes and several rebuilds."""
     rng = np.random.default_rng(0)
-    centres = rng.dirichlet(np.full(26, 0.4), 12)
+    centers = rng.dirichlet(np.full(26, 0.4), 12)
     kinds = np.minimum(rng.integers(0, 12, 600), np.arange(600) // 40)
-    points = embed(rng.gamma(1e-3 + 40 * centres[kinds])).astype(np.float32)
+    points = embed(rng.gamma(1e-3 + 40 * centers[kinds])).astype(np.float32)
     params = StrapParams(eps=0.22, reservoir=20, known_share=known_share, noise_share=0.3)
 
     found = assert_same(points, np.arange(600), params, [1, 2, 300])

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from mpap_cli.clustering.two_scale import FineExemplars
 from mpap_cli.distance import squared_distances
-from tests.clustering.blobs import N_DIMS, around, centres
+from tests.clustering.blobs import N_DIMS, around, centers
 from tests.clustering.models import add, assert_same_state, filled, new_model, stream
 
 
@@ -70,7 +70,7 @@ def test_old_exemplars_stay_where_they_are() -> None:
     add(model, stream(400, 6, spread=0.03))
     before = model.exemplars
 
-    add(model, around(np.repeat(centres(12)[6:], 40, axis=0), 0.1, np.random.default_rng(1)))
+    add(model, around(np.repeat(centers(12)[6:], 40, axis=0), 0.1, np.random.default_rng(1)))
 
     assert model.n_rebuilds >= 3
     assert model.exemplars[: len(before)].tolist() == before.tolist()
@@ -85,7 +85,7 @@ def test_a_known_world_of_blobs_adds_nothing(seed: int) -> None:
     """
     model, plain = new_model(reservoir=200), new_model(reservoir=200, known_share=0.0)
     rng = np.random.default_rng(seed)
-    kinds = centres(12)
+    kinds = centers(12)
     sizes, outside = [], []
     for turn in range(10):
         noise = 0.08 * rng.gamma(8.0, 1 / 8, (10_000, 1))
@@ -109,7 +109,7 @@ def test_a_new_place_is_learnt_after_a_long_quiet_time() -> None:
         add(model, stream(1000, 6, seed=turn, spread=0.03))
     n_before, n_rebuilds = model.n_clusters, model.n_rebuilds
 
-    new = around(np.repeat(centres(12)[6:], 7, axis=0), 0.05, np.random.default_rng(1))
+    new = around(np.repeat(centers(12)[6:], 7, axis=0), 0.05, np.random.default_rng(1))
     add(model, new[:41])
     n_after_41 = model.n_rebuilds
     add(model, new[41:])
@@ -124,7 +124,7 @@ def test_memory_does_not_grow_with_the_stream() -> None:
     """20,000 more observations of a known world cost 8 bytes for each outlier."""
     model = new_model()
     rng = np.random.default_rng(0)
-    kinds = centres(5)
+    kinds = centers(5)
     blocks = [around(kinds[rng.integers(0, 5, 2000)], 0.135, rng) for _ in range(3)]
     for block in blocks:
         add(model, block)

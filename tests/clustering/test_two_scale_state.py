@@ -9,7 +9,7 @@ from mpap_cli.clustering.two_scale import TwoScale
 from mpap_cli.errors import ModelError
 from mpap_cli.observations import Float32Array
 from mpap_cli.params import AffinityParams, StrapParams
-from tests.clustering.blobs import N_DIMS, around, centres
+from tests.clustering.blobs import N_DIMS, around, centers
 
 PARAMS = StrapParams(eps=0.18, reservoir=40, page_hinkley=True, page_hinkley_lambda=30.0)
 AFFINITY = AffinityParams()
@@ -18,7 +18,7 @@ AFFINITY = AffinityParams()
 def stream(n: int) -> Float32Array:
     """Observations of eight kinds."""
     rng = np.random.default_rng(0)
-    return around(centres(8)[rng.integers(0, 8, n)], 0.13, rng)
+    return around(centers(8)[rng.integers(0, 8, n)], 0.13, rng)
 
 
 def model_of(points: Float32Array) -> TwoScale:

@@ -44,12 +44,18 @@ COLUMNS = {
 }
 EVALUATE_FILES = {
     *COLUMNS,
-    "roc.png",
-    "timeline.png",
-    "calibration.png",
+    "auc.tex",
+    *(f"{plot}.{form}" for plot in ("roc", "timeline", "calibration") for form in ("png", "svg")),
     "settings.json",
 }
-LEARN_FILES = {"clusters.csv", "model.npz", "recording.npz", "exemplars.png", "settings.json"}
+LEARN_FILES = {
+    "clusters.csv",
+    "model.npz",
+    "recording.npz",
+    "exemplars.npz",
+    "exemplars.png",
+    "settings.json",
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,12 +4,17 @@ import csv
 import io
 import json
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from mpap_cli.commands.info import info
+from mpap_cli.commands.inputs.progress import Report
+from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.logs.reader import open_log
 from tests.commands.running import BAG, FIXTURES, MCAP, PAPER, done, mpap
 
 Made = Callable[..., Path]
@@ -66,7 +71,7 @@ def test_facts_have_the_keys_of_the_contract() -> None:
 
     assert [" ".join(one) for one in facts] == [KEYS, KEYS]
     assert [Path(one["path"]).name for one in facts] == [BAG.name, MCAP.name]
-    assert list(facts[0]["topics"][0]) == ["name", "type", "messages", "hz", "role"]
+    assert list(facts[0]["topics"][0]) == ["name", "type", "messages", "hz", "role", "bytes"]
     assert list(facts[0]["bump"]) == [
         "topic",
         "type",
@@ -93,7 +98,7 @@ def test_csv_lists_the_topics() -> None:
     rows = list(csv.DictReader(io.StringIO(done("info", BAG, MCAP, "--format", "csv").out)))
 
     facts = facts_of(BAG, MCAP)
-    assert list(rows[0]) == ["name", "topic", "type", "messages", "hz", "role"]
+    assert list(rows[0]) == ["name", "topic", "type", "messages", "hz", "role", "bytes"]
     assert [(row["name"], row["topic"], int(row["messages"])) for row in rows] == [
         (Path(one["path"]).name, topic["name"], topic["messages"])
         for one in facts
@@ -110,6 +115,41 @@ def test_a_page_says_what_would_be_used() -> None:
     assert "bump: /events/bumper" in text
     assert "edge, 5 presses" in text
     assert "laser model: yes, 5 presses; held-out AUC: possible" in text
+
+
+@pytest.mark.parametrize("log", [BAG, MCAP, FIXTURES / "indoor-b"])
+def test_bytes_are_those_of_the_messages(log: Path) -> None:
+    """Per topic; what describes topics between the messages may add a little."""
+    with open_log(log) as reader:
+        names = [topic.name for topic in reader.topics]
+        n_bytes = {name: sum(len(m.payload) for m in reader.messages({name})) for name in names}
+
+    topics = facts_of(log)[0]["topics"]
+
+    for topic in topics:
+        assert 0 <= topic["bytes"] - n_bytes[topic["name"]] < 20_000
+    assert sum(topic["bytes"] for topic in topics) < sum(n_bytes.values()) + 20_000
+    assert done("info", log).out.splitlines()[1].split()[-2:] == ["role", "size"]
+
+
+def test_messages_of_a_broken_chunk_are_not_there(tmp_path: Path) -> None:
+    """The topics count what can be read, and the damage says how much is lost."""
+    content = bytearray(MCAP.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    log = tmp_path / MCAP.name
+    log.write_bytes(content)
+
+    outcome = mpap("info", log, "--format", "json")
+
+    (facts,) = json.loads(outcome.out)
+    (whole,) = facts_of(MCAP)
+    n_messages = sum(topic["messages"] for topic in facts["topics"])
+    n_lost = whole["messages"] - facts["messages"]
+    assert outcome.code == 3
+    assert 0 < n_lost == whole["messages"] - n_messages
+    assert f"chunks damaged and left out, {n_lost:,} messages lost" in facts["damage"][0]
+    scans = next(topic for topic in facts["topics"] if topic["name"] == "/scan")
+    assert scans["messages"] == facts["scan"]["scans"]
 
 
 def test_topics_can_be_chosen() -> None:
@@ -151,3 +191,21 @@ def test_of_the_logs_of_a_glob_an_unreadable_one_is_left_out(tmp_path: Path) -> 
     assert outcome.out.startswith("good.bag: ")
     assert "empty.bag: the file is empty; left out" in outcome.err
     assert (strict.code, strict.out) == (1, "")
+
+
+def test_who_waits_is_told_how_far_it_is() -> None:
+    """Up to the end of each log."""
+    told: list[tuple[str, float | None, list[float]]] = []
+
+    @contextmanager
+    def progress(title: str, total_s: float | None) -> Iterator[Report]:
+        done: list[float] = []
+        told.append((title, total_s, done))
+        yield lambda done_s, _: done.append(done_s)
+
+    info(LogSelection(logs=(str(BAG), str(MCAP))), progress)
+
+    assert [title for title, _, _ in told] == [f"read {BAG.name}", f"read {MCAP.name}"]
+    for _, total_s, moments in told:
+        assert moments == sorted(moments)
+        assert total_s == pytest.approx(moments[-1], abs=1.0)

@@ -33,11 +33,11 @@ Made = Callable[..., Path]
 
 
 def test_learn_writes_its_files(made: Made) -> None:
-    """Model, recording, table, picture and settings appear, and nothing beside them."""
+    """Model, recording, table, pictures and settings appear; beside them only the report."""
     out = made("learn", BAG, MCAP)
 
     assert {path.name for path in (out / "learn").iterdir()} == LEARN_FILES
-    assert [path.name for path in out.iterdir()] == ["learn"]
+    assert {path.name for path in out.iterdir()} == {"learn", "report.html"}
 
 
 @pytest.mark.parametrize("words", [(), PAPER, ("--bump-from", "none")])

@@ -16,6 +16,7 @@ BOTH = {
     "recording.npz",
     "exemplars.png",
     "exemplars-patches.png",
+    "exemplars.npz",
     "members.png",
     "settings.json",
 }
@@ -56,7 +57,7 @@ def test_scans_alone_are_those_of_both(made: Made) -> None:
     assert scans == [row for row in both if row["sensor"] == "scan"]
 
 
-@pytest.mark.parametrize("jobs", [1, 3])
+@pytest.mark.parametrize("jobs", [1, 3, 8])
 def test_threads_do_not_matter(made: Made, tmp_path: Path, jobs: int) -> None:
     """The same bytes, whatever --jobs."""
     done("learn", CAMERA_A, *SMALL, "--jobs", jobs, "-o", tmp_path / "out")

@@ -58,7 +58,7 @@ def test_predict_writes_its_files(made: Made) -> None:
     """Timeline, presses, plot and settings appear, the tables with their columns."""
     out = made("predict", made("learn", BAG), MCAP)
 
-    expected = {"timeline.csv", "presses.csv", "timeline.png", "settings.json"}
+    expected = {"timeline.csv", "presses.csv", "timeline.png", "timeline.svg", "settings.json"}
     assert {path.name for path in (out / "predict").iterdir()} == expected
     for name in ("timeline.csv", "presses.csv"):
         assert header_of(out / "predict" / name) == COLUMNS[name]

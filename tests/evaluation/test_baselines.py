@@ -6,7 +6,7 @@ import pytest
 from mpap_cli.evaluation.baselines import BASELINES, MAX_TRAIN, ReadOut, training_sample
 from mpap_cli.observations import BoolArray, Float32Array
 
-READ_OUT = ReadOut(theta=0.1, neighbours=20, prior_counts=2.0, n_centres=30, seed=0)
+READ_OUT = ReadOut(theta=0.1, neighbors=20, prior_counts=2.0, n_centers=30, seed=0)
 
 
 def two_kinds(n: int, seed: int, dims: int) -> tuple[Float32Array, BoolArray]:

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from mpap_cli.errors import MpapError, UsageError
+from mpap_cli.evaluation import groups
 from mpap_cli.evaluation.groups import group_names
 from mpap_cli.observations import ObservedLog
 
@@ -39,6 +40,8 @@ def test_file_lists_groups_by_base_name(tmp_path: Path) -> None:
     [
         ("neato", "found no bracket"),
         ("(", "no regular expression"),
+        ("(a{99999999999})", "no regular expression"),
+        ("(" * 5000 + ")" * 5000, "no regular expression"),
         ("(gazebo)", "matches nothing in day1"),
         ("(x)?neato", "matches nothing in day1"),
     ],
@@ -47,6 +50,19 @@ def test_groups_that_say_nothing_are_refused(groups: str, match: str) -> None:
     """The message names the option, what was found and what to do."""
     with pytest.raises(UsageError, match=match):
         group_names(LOGS, groups)
+
+
+def test_an_expression_that_never_ends_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A repeat of a repeat tries more ways than there is time."""
+    monkeypatch.setattr(groups, "MOST_SECONDS", 0.5)
+
+    with pytest.raises(UsageError, match=r"found no match within 0.5 s; take out what repeats"):
+        group_names([log_at("day/" + "a" * 60)], "((?:a+)+)!")
+
+
+def test_paths_that_are_no_text_are_matched() -> None:
+    """Names of files may be any bytes."""
+    assert group_names([log_at("day/\udcff\n\x1b1.bag")], "(day/.)") == ("day/\udcff",)
 
 
 def test_a_file_that_is_not_there_is_no_usage_error() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mpap_cli.evaluation.leads import FalseAlarms, Lead, PressJudge, summarise
+from mpap_cli.evaluation.leads import FalseAlarms, Lead, PressJudge, summarize
 from mpap_cli.observations import NS_PER_S, Float64Array, IntArray, Press
 
 MISSED = Lead(False, 0.0)
@@ -115,7 +115,7 @@ def test_summary_counts_a_missed_press_as_zero_seconds() -> None:
     """Median over judged presses, missed ones at 0 s; alarms over all logs' minutes."""
     leads = [Lead(True, 0.8), MISSED, Lead(True, 0.4), NOT_JUDGED]
 
-    found = summarise(leads, [FalseAlarms(1, 20.0, 1.0), FalseAlarms(2, 40.0, 5.0)])
+    found = summarize(leads, [FalseAlarms(1, 20.0, 1.0), FalseAlarms(2, 40.0, 5.0)])
 
     assert (found.announced, found.judged) == (2, 3)
     assert found.median_lead_s == 0.4
@@ -126,7 +126,7 @@ def test_summary_counts_a_missed_press_as_zero_seconds() -> None:
 
 def test_summary_of_nothing_is_empty() -> None:
     """No press and no time: no median and no rate."""
-    found = summarise([], [])
+    found = summarize([], [])
 
     assert found.median_lead_s is None
     assert found.false_alarms_per_min is None

@@ -12,6 +12,7 @@ from rosbags.serde import SerdeError
 from mpap_cli.logs.bumps.bumpers import BUMPER_RULES, BumpDecoder, BumperRule
 from mpap_cli.logs.files.runs import group_messages
 from mpap_cli.logs.raw import Damage, LogReader, PayloadError, RawMessage, RunGroup, Topic
+from mpap_cli.logs.remote.paths import LogPath
 from mpap_cli.logs.writing.encoding import RosEncoder
 from mpap_cli.observations import Bump
 from mpap_cli.params import BumperParams
@@ -26,7 +27,7 @@ class MemoryReader:
     """A log of messages that were never in a file (ros_version 0: JSON)."""
 
     def __init__(self, events: Sequence[Event], ros_version: int, empty: Sequence[Topic]) -> None:
-        self.path = Path("log.mcap")
+        self.path: LogPath = Path("log.mcap")
         self.container = "mcap"
         self.damage: list[Damage] = []
         self.warnings: list[str] = []
@@ -73,6 +74,9 @@ class MemoryReader:
     ) -> Iterator[RunGroup]:
         """Yield messages in runs."""
         yield from group_messages(self.messages(topics, start_ns, end_ns))
+
+    def topic_bytes(self) -> None:
+        """There is no index."""
 
     def undefined_types(self) -> tuple[str, ...]:
         """Messages that were encoded have a definition."""

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from mpap_cli.logs.fields import FieldError, scan_view
 from mpap_cli.logs.files.runs import group_messages
 from mpap_cli.logs.raw import RawMessage, RawRun, Topic
-from mpap_cli.logs.scan_runs import read_scans
+from mpap_cli.logs.scan_runs import Payloads, read_scans
 from mpap_cli.logs.writing.encoding import RosEncoder
 from mpap_cli.observations import NS_PER_S, Float32Array
 from tests import protobufs
@@ -148,3 +148,29 @@ def test_scans_that_never_repeat(encoding: str) -> None:
 
     assert len(pieces) == 30
     assert [int(piece.ranges[0, 0]) for piece in pieces] == list(range(30))
+
+
+def wide_scans(n_before: int) -> RawRun:
+    """Return ten scans of 500 beams, in memory that holds something else before them."""
+    fields = {
+        "sec": 1, "frame": "laser", "angle_min": 0.0, "angle_increment": 0.01, "range_max": 5.0,
+        "scan_time": 0.1, "intensities": [], "big": False,
+    }  # fmt: skip
+    run = run_of("cdr", [encode("cdr", {**fields, "ranges": floats([n] * 500)}) for n in range(10)])
+    records = bytes(n_before) + run.records
+    return RawRun(run.topic, run.stamps_ns, records, run.starts + n_before, run.sizes)
+
+
+@pytest.mark.parametrize(("n_before", "waits"), [(0, True), (100_000, False)])
+def test_ranges_wait_in_memory_that_they_fill(n_before: int, waits: bool) -> None:
+    """Wherever they lie, some of them and all of them are the same; little is copied at once."""
+    (piece,), _ = read_scans(wide_scans(n_before))
+
+    some = piece.rows(slice(3, 7))
+    rows = np.zeros((4, 500), np.float32)
+    some.write(rows)
+
+    assert isinstance(piece.held, Payloads) == waits
+    assert piece.ranges[:, 499].tolist() == list(range(10))
+    np.testing.assert_array_equal(rows, piece.ranges[3:7])
+    np.testing.assert_array_equal(some.ranges, rows)

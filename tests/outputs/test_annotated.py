@@ -9,9 +9,9 @@ import pytest
 from mpap_cli.observations import BoolArray, Float64Array
 from mpap_cli.outputs.action_signs import ACTION_SIGNS
 from mpap_cli.outputs.annotated import MOST_ON_SHEET, annotate, write_annotated_sheet
-from mpap_cli.outputs.canvas import Image, probability_colour
+from mpap_cli.outputs.canvas import Image, probability_color
 
-VERMILION = probability_colour(1.0)
+VERMILION = probability_color(1.0)
 GREEN = (115, 158, 0)
 STRIP = 52
 CAMERA = np.full((480, 640, 3), (90, 120, 60), dtype=np.uint8)
@@ -22,9 +22,9 @@ def grid(p: float = 0.0, *, unknown: bool = False) -> tuple[Float64Array, BoolAr
     return np.full((6, 6), p), np.full((6, 6), unknown)
 
 
-def count(image: Image, colour: tuple[int, int, int]) -> int:
-    """Return how many pixels have a colour, the strip left out."""
-    return int((image[:-STRIP] == colour).all(axis=2).sum())
+def count(image: Image, color: tuple[int, int, int]) -> int:
+    """Return how many pixels have a color, the strip left out."""
+    return int((image[:-STRIP] == color).all(axis=2).sum())
 
 
 def test_obstacle_is_framed_in_its_own_patch() -> None:
@@ -62,7 +62,7 @@ def test_unknown_is_neither_free_nor_obstacle(p: float) -> None:
     assert count(drawn, (235, 235, 235)) > 1000
 
 
-def test_kinds_differ_without_colour() -> None:
+def test_kinds_differ_without_color() -> None:
     """In shades of grey a free, an obstacle and an unknown patch still look different."""
     kinds = [grid(0.4), grid(0.4), grid(0.4, unknown=True)]
     thresholds = (0.5, 0.3, 0.5)

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from mpap_cli.observations import ScanGeometry
-from mpap_cli.outputs.canvas import probability_colour
+from mpap_cli.outputs.canvas import probability_color
 from mpap_cli.outputs.example_scans import ExampleScan, write_example_scans
 
 GEOMETRY = ScanGeometry(180, -math.pi / 2, math.pi / 180, 0.02, 8.0)
@@ -41,7 +41,7 @@ def test_contact_has_its_color_and_the_image_stands_beside(tmp_path: Path) -> No
     write_example_scans(clear, [example(in_contact=False)])
     write_example_scans(hit, [example(in_contact=True, with_image=True)])
 
-    blue, vermilion = probability_colour(0.0), probability_colour(1.0)
+    blue, vermilion = probability_color(0.0), probability_color(1.0)
     assert (shows(clear, blue), shows(clear, vermilion), shows(clear, (0, 200, 0))) == (
         True,
         False,

@@ -120,6 +120,8 @@ def test_file_that_is_no_model_is_named(tmp_path: Path, content: bytes) -> None:
         ({"version": None}, "format version None"),
         ({"arrays": ["sums"]}, r"There is no item named 'sums.npy'"),
         ({"arrays": 3}, "not a whole model"),
+        ({"arrays": ["header", "header"]}, "one is there twice"),
+        ({"arrays": [1]}, "have no names"),
         ({"header": []}, "header is no record"),
     ],
 )

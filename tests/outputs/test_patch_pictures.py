@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from mpap_cli.outputs.canvas import Image, probability_colour
+from mpap_cli.outputs.canvas import Image, probability_color
 from mpap_cli.outputs.patch_pictures import PatchCluster, write_members, write_patch_exemplars
 
 GREEN = (20, 200, 20)
@@ -18,9 +18,9 @@ WRITERS = (write_patch_exemplars, write_members)
 Writer = Callable[[Path, Sequence[PatchCluster]], None]
 
 
-def patch(colour: tuple[int, int, int], height: int = 40, width: int = 53) -> Image:
-    """Return a patch of one colour."""
-    return np.full((height, width, 3), colour, dtype=np.uint8)
+def patch(color: tuple[int, int, int], height: int = 40, width: int = 53) -> Image:
+    """Return a patch of one color."""
+    return np.full((height, width, 3), color, dtype=np.uint8)
 
 
 def cluster(number: int, p: float | None, n_members: int = 3) -> PatchCluster:
@@ -42,9 +42,9 @@ def drawn(path: Path) -> Image:
     return np.asarray(image, dtype=np.uint8)
 
 
-def share(image: Image, colour: tuple[int, int, int]) -> float:
-    """Return the share of pixels of a colour."""
-    return float((image == colour).all(axis=2).mean())
+def share(image: Image, color: tuple[int, int, int]) -> float:
+    """Return the share of pixels of a color."""
+    return float((image == color).all(axis=2).mean())
 
 
 @pytest.mark.parametrize("write", WRITERS)
@@ -59,14 +59,14 @@ def test_same_clusters_same_bytes(tmp_path: Path, write: Writer) -> None:
 
 
 def test_most_likely_obstacle_is_the_first_tile(tmp_path: Path) -> None:
-    """The first tile is framed in the colour of the highest probability."""
+    """The first tile is framed in the color of the highest probability."""
     write_patch_exemplars(tmp_path / "a.png", [cluster(0, 0.0), cluster(1, 1.0)])
 
     tiles = drawn(tmp_path / "a.png")[100:]
     middle = 26 + 200 + 11
-    assert share(tiles[:, :middle], probability_colour(1.0)) > 0.02
-    assert share(tiles[:, :middle], probability_colour(0.0)) == 0.0
-    assert share(tiles[:, middle:], probability_colour(0.0)) > 0.002
+    assert share(tiles[:, :middle], probability_color(1.0)) > 0.02
+    assert share(tiles[:, :middle], probability_color(0.0)) == 0.0
+    assert share(tiles[:, middle:], probability_color(0.0)) > 0.002
 
 
 def test_exemplars_show_no_members(tmp_path: Path) -> None:
@@ -130,7 +130,7 @@ def test_cluster_without_pictures_keeps_its_place(tmp_path: Path, write: Writer)
 
     write(tmp_path / "a.png", [bare])
 
-    assert share(drawn(tmp_path / "a.png"), probability_colour(0.9)) > 0.0
+    assert share(drawn(tmp_path / "a.png"), probability_color(0.9)) > 0.0
 
 
 @pytest.mark.parametrize("write", WRITERS)

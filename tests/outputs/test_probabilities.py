@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpap_cli.outputs.canvas import Box, blank, probability_colour
+from mpap_cli.outputs.canvas import Box, blank, probability_color
 from mpap_cli.outputs.probabilities import divide, draw_bar, draw_key, left_out_text, rank
 
 
@@ -40,17 +40,17 @@ def test_bar_is_as_long_as_its_probability() -> None:
     draw_bar(page, Box(0, 5, 100, 10), 0.5)
     draw_bar(empty, Box(0, 5, 100, 10), math.nan)
 
-    assert (page[10, :49] == probability_colour(0.5)).all()
-    assert not (page[10, 52:] == probability_colour(0.5)).all(axis=1).any()
+    assert (page[10, :49] == probability_color(0.5)).all()
+    assert not (page[10, 52:] == probability_color(0.5)).all(axis=1).any()
     assert (empty == 255).all()
 
 
 def test_key_runs_from_zero_to_one() -> None:
-    """The colours of the key are those of the probabilities, from left to right."""
+    """The colors of the key are those of the probabilities, from left to right."""
     page = blank(400, 40)
 
     draw_key(page, "obstacle", 390, 24)
 
     row = page[18, 230:370]
-    expected = [probability_colour(step / 139) for step in range(140)]
+    expected = [probability_color(step / 139) for step in range(140)]
     np.testing.assert_array_equal(row, expected)

@@ -3,6 +3,7 @@
 import errno
 import hashlib
 import json
+import logging
 import os
 from pathlib import Path
 
@@ -48,11 +49,36 @@ def test_settings_tell_what_was_read_and_written(tmp_path: Path) -> None:
 
     record = json.loads((folder / "settings.json").read_text())
 
-    assert list(record) == ["mpap", "command", "seed", "settings", "inputs", "outputs"]
+    assert list(record) == [
+        "mpap",
+        "command",
+        "seed",
+        "settings",
+        "inputs",
+        "warnings",
+        "outputs",
+    ]
     assert record["seed"] == 7
     assert list(record["settings"]) == ["bins", "theta"]
     assert record["inputs"] == [{"name": "day1.bag", "size": 3, "sha256": "ab"}]
     assert record["outputs"] == {"clusters.csv": hashlib.sha256(b"a\n").hexdigest()}
+
+
+def test_settings_keep_what_was_warned_of(tmp_path: Path) -> None:
+    """Each warning of the run once, whatever was said before it or is not a warning."""
+    logger = logging.getLogger("mpap_cli.logs")
+    logger.warning("before")
+    with ResultsFolder(tmp_path, "learn") as results:
+        for text in ("b.bag is cut", "a.bag is cut", "b.bag is cut"):
+            logger.warning(text)
+        logger.info("not worth keeping")
+        results.commit({}, [])
+    logger.warning("after")
+
+    kept = read_results(tmp_path / "learn").warnings
+
+    assert kept == ("a.bag is cut", "b.bag is cut")
+    assert logging.getLogger("mpap_cli").handlers == []
 
 
 def test_same_results_give_the_same_bytes(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mpap_cli.observations import ScanGeometry
-from mpap_cli.outputs.canvas import probability_colour, shorten, text_width
+from mpap_cli.outputs.canvas import probability_color, shorten, text_width
 from mpap_cli.outputs.scan_pictures import ExemplarPicture, write_exemplars
 from mpap_cli.outputs.scan_views import common_scale, half_view, range_ticks, runs_of, see
 
@@ -48,9 +48,9 @@ def drawn(path: Path) -> "np.ndarray[tuple[int, int, int], np.dtype[np.uint8]]":
     return np.asarray(image, dtype=np.uint8)
 
 
-def has_colour(path: Path, colour: tuple[int, int, int], fewest: int = 200) -> bool:
-    """Tell whether a picture holds pixels of this colour."""
-    return int((drawn(path) == colour).all(axis=2).sum()) >= fewest
+def has_color(path: Path, color: tuple[int, int, int], fewest: int = 200) -> bool:
+    """Tell whether a picture holds pixels of this color."""
+    return int((drawn(path) == color).all(axis=2).sum()) >= fewest
 
 
 def test_forward_is_zero_and_left_is_positive() -> None:
@@ -115,13 +115,13 @@ def test_same_exemplars_same_bytes(tmp_path: Path) -> None:
 
 
 def test_most_dangerous_comes_first(tmp_path: Path) -> None:
-    """The first card has the colour of the highest probability."""
+    """The first card has the color of the highest probability."""
     write_exemplars(tmp_path / "a.png", [exemplar(0, 0.0), exemplar(1, 1.0)])
 
     image = drawn(tmp_path / "a.png")[110:]
     middle = image.shape[1] // 2
-    left = (image[:, :middle] == probability_colour(1.0)).all(axis=2).sum()
-    right = (image[:, middle:] == probability_colour(0.0)).all(axis=2).sum()
+    left = (image[:, :middle] == probability_color(1.0)).all(axis=2).sum()
+    right = (image[:, middle:] == probability_color(0.0)).all(axis=2).sum()
     assert min(left, right) > 200
 
 
@@ -133,8 +133,8 @@ def test_image_of_the_moment_is_pasted(tmp_path: Path) -> None:
     write_exemplars(tmp_path / "b.png", [exemplar(0, 0.5, image=green), exemplar(1, 0.5)])
 
     assert drawn(tmp_path / "b.png").shape[1] > drawn(tmp_path / "a.png").shape[1]
-    assert has_colour(tmp_path / "b.png", (0, 255, 0), 5000)
-    assert not has_colour(tmp_path / "a.png", (0, 255, 0), 1)
+    assert has_color(tmp_path / "b.png", (0, 255, 0), 5000)
+    assert not has_color(tmp_path / "a.png", (0, 255, 0), 1)
 
 
 def test_many_clusters_fit_on_a_page(tmp_path: Path) -> None:
@@ -185,10 +185,10 @@ def test_long_names_are_cut_in_the_middle() -> None:
     assert shorten("day1.bag", 200, 0.5) == "day1.bag"
 
 
-def test_colours_run_from_blue_to_vermilion() -> None:
+def test_colors_run_from_blue_to_vermilion() -> None:
     """The ends are Okabe and Ito's blue and vermilion, as BGR."""
-    assert probability_colour(0.0) == (178, 114, 0)
-    assert probability_colour(1.0) == (0, 94, 213)
+    assert probability_color(0.0) == (178, 114, 0)
+    assert probability_color(1.0) == (0, 94, 213)
 
 
 def test_pictures_need_no_plotting_library() -> None:

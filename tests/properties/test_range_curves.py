@@ -17,7 +17,7 @@ from mpap_cli.properties.range_curves import (
     rising,
 )
 
-KERNEL = Kernel(theta=0.08, neighbours=20, prior_counts=2.0)
+KERNEL = Kernel(theta=0.08, neighbors=20, prior_counts=2.0)
 
 
 def angles_of(ranges_m: list[float]) -> Float64Array:

@@ -26,9 +26,9 @@ def ray(shapes: Shapes, pose: Float64Array, angle: float, longest: float) -> flo
             along, share = np.linalg.solve(matrix, np.array((x0, y0)) - origin)
             found = min(found, along) if along >= 0 and 0 <= share <= 1 else found
     for x, y, radius in shapes.circles:
-        to_centre = np.array((x, y)) - origin
-        ahead = float(to_centre @ way)
-        below = radius**2 - float(to_centre @ to_centre) + ahead**2
+        to_center = np.array((x, y)) - origin
+        ahead = float(to_center @ way)
+        below = radius**2 - float(to_center @ to_center) + ahead**2
         if below >= 0 and ahead - math.sqrt(below) >= 0:
             found = min(found, ahead - math.sqrt(below))
     return found if found <= longest else math.inf

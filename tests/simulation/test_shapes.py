@@ -31,7 +31,7 @@ def test_nearest_is_the_least_of_all_distances(
     circles: list[tuple[float, ...]],
 ) -> None:
     """No shape is nearer than the one returned, and it is that far away."""
-    # in the very centre of a circle no side is nearer than the others
+    # in the very center of a circle no side is nearer than the others
     assume(all(math.dist(point, circle[:2]) > 1e-3 for circle in circles))
     shapes = Shapes(np.array(segments, float).reshape(-1, 4), np.array(circles))
 

@@ -2,7 +2,14 @@
 
 import numpy as np
 
-from mpap_cli.clustering.meta_point_rows.tables import CLUSTER_POINT, N_DROPPED, Rows, kept_rows
+from mpap_cli.clustering.meta_point_rows.tables import (
+    CLUSTER_POINT,
+    DROPPED,
+    N_DROPPED,
+    N_ROWS,
+    Rows,
+    kept_rows,
+)
 from mpap_cli.observations import BoolArray, Float32Array, Float64Array, IntArray
 
 
@@ -96,9 +103,11 @@ class MetaPointArrays:
         positive : ndarray of shape (m,)
             The labels.
         """
-        rows = self.rows_of(ids)
-        known = rows >= 0
-        at = kept_rows(self._rows)
-        columns = 2 * rows[known] + positive[known]
-        counts = np.bincount(columns, minlength=2 * len(at)).reshape(-1, 2)
-        self._rows.label_counts[at, pair] += counts
+        rows = self._rows
+        # dropped rows keep their ids until the tables are resized, so all of them ascend
+        used = rows.ids[: rows.totals[N_ROWS]]
+        if not used.size:
+            return
+        at = np.minimum(np.searchsorted(used, ids), used.size - 1)
+        known = (used[at] == ids) & (rows.kind[at] != DROPPED)
+        np.add.at(rows.label_counts, (at[known], pair, positive[known].astype(np.int64)), 1)

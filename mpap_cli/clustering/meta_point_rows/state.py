@@ -35,22 +35,23 @@ _TABLES = {
 # squares of these are finite
 _LARGEST_VALUE = 1e18
 _LARGEST_SUM = 1e100
+# "normalised" is spelled as it stands in model files
 _OTHERS = {"is_cluster_point": "b1", "next_id": "i8", "n_dropped": "i8", "normalised": "b1"}
 
 
-def pack(rows: Rows, *, normalised: bool) -> dict[str, NDArray[Any]]:
+def pack(rows: Rows, *, normalized: bool) -> dict[str, NDArray[Any]]:
     """Return the kept rows as arrays that share nothing with them."""
     kept = kept_rows(rows)
     state = {name: getattr(rows, name)[kept] for name in _TABLES}
     state["is_cluster_point"] = rows.kind[kept] == CLUSTER_POINT
     state["next_id"] = np.array(rows.totals[NEXT_ID])
     state["n_dropped"] = np.array(rows.totals[N_DROPPED])
-    state["normalised"] = np.array(normalised)
+    state["normalised"] = np.array(normalized)
     return state
 
 
 def unpack(state: Mapping[str, NDArray[Any]], *, by_mean: bool) -> tuple[Rows, bool]:
-    """Return the rows of a state and whether their points are normalised.
+    """Return the rows of a state and whether their points are normalized.
 
     Raises
     ------
@@ -59,7 +60,7 @@ def unpack(state: Mapping[str, NDArray[Any]], *, by_mean: bool) -> tuple[Rows, b
     """
     _check(state)
     n, d = state["exemplars"].shape
-    normalised = bool(state["normalised"])
+    normalized = bool(state["normalised"])
     rows = empty_rows(n, d)
     for name in _TABLES:
         getattr(rows, name)[:] = state[name]
@@ -68,9 +69,9 @@ def unpack(state: Mapping[str, NDArray[Any]], *, by_mean: bool) -> tuple[Rows, b
     rows.totals[NEXT_ID] = state["next_id"]
     rows.totals[N_DROPPED] = state["n_dropped"]
     recount(rows)
-    exact_means = means(rows.sums, rows.point_count, normalised=normalised)
+    exact_means = means(rows.sums, rows.point_count, normalized=normalized)
     rows.references[:] = exact_means if by_mean else rows.exemplars
-    return rows, normalised
+    return rows, normalized
 
 
 def _check(state: Mapping[str, NDArray[Any]]) -> None:

@@ -22,6 +22,8 @@ NOISE_POINT, CLUSTER_POINT, DROPPED = 0, 1, 2
 N_ROWS, NEXT_ID, N_DROPPED, OLDEST_NS = 2, 3, 4, 5
 UNSEEN_NS = np.iinfo(np.int64).max
 N_AXES = 16
+# So many columns side by side become vector instructions; half as many would be unrolled.
+LANES = 64
 _SMALLEST_CAPACITY = 64
 _APART = 16  # rows that lie a power of two apart drive one another out of the cache
 
@@ -54,11 +56,15 @@ class Index(NamedTuple):
     ``members`` (2, capacity) lists the rows of each kind in no order, ``slot`` (capacity,)
     is the place of a row in its list, ``near`` (2, n_axes, capacity and some to spare) holds
     the coordinates ``axes`` of the references in the order of the lists, one after the other.
+    ``copies`` (2, capacity, d) holds the references in that order, for products with them, and
+    ``halves`` (2, capacity) half of their squared lengths; without products d is 0.
     """
 
     slot: IntArray
     members: IntArray
     near: Float32Array
+    copies: Float32Array
+    halves: Float64Array
     axes: IntArray
 
 
@@ -66,15 +72,17 @@ class Rules(NamedTuple):
     """Settings of Algorithm 1 as plain numbers.
 
     ``bound``: theta as a sum of squared differences; ``slack``: the most by which float32
-    can misplace a point; ``ttl_ns``: nanoseconds that a noise-point lives, -1 for ever.
+    can misplace a point; ``length``: that of the longest vector; ``ttl_ns``: nanoseconds that
+    a noise-point lives, -1 for ever.
     """
 
     bound: float
     slack: float
+    length: float
     min_points: int
     by_mean: bool
     closest: bool
-    normalised: bool
+    normalized: bool
     ttl_ns: int
     max_noise: int
 
@@ -135,25 +143,27 @@ def longest(points: FloatArray, at_least: float = 0.0) -> float:
     return float(lengths.max(initial=at_least))
 
 
-def rules_of(params: MetaPointParams, *, normalised: bool, length: float) -> Rules:
+def rules_of(params: MetaPointParams, *, normalized: bool, length: float) -> Rules:
     """Return the settings as the kernel takes them, for points of at most this length."""
     ttl_s = params.noise_ttl
+    length = max(length, 1.0) if normalized else length
     return Rules(
-        bound=params.theta * params.theta / (0.5 if normalised else 1.0),
-        slack=1e-6 * (max(length, 1.0) if normalised else length),
+        bound=params.theta * params.theta / (0.5 if normalized else 1.0),
+        slack=1e-6 * length,
+        length=length,
         min_points=params.min_points,
         by_mean=params.reference == "mean",
         closest=params.exemplar == "closest",
-        normalised=normalised,
+        normalized=normalized,
         ttl_ns=-1 if ttl_s is None else round(ttl_s * NS_PER_S),
         max_noise=params.max_noise,
     )
 
 
-def means(sums: Float64Array, count: IntArray, *, normalised: bool) -> Float64Array:
+def means(sums: Float64Array, count: IntArray, *, normalized: bool) -> Float64Array:
     """Return the means of some rows, bit for bit as the kernel finds them."""
     divisors = count.astype(np.float64)
-    if normalised:
+    if normalized:
         # four strands, each from first to last; cumsum keeps that order, sum does not
         squares = sums**2
         n, d = sums.shape
@@ -175,13 +185,15 @@ def widest_axes(points: FloatArray) -> IntArray:
     return np.argsort(-spread, kind="stable")[:n_axes]
 
 
-def build_index(rows: Rows, axes: IntArray) -> Index:
+def build_index(rows: Rows, axes: IntArray, *, with_copies: bool = False) -> Index:
     """Build the index of some rows."""
-    capacity = len(rows.kind)
+    capacity, n_dims = rows.references.shape
     index = Index(
         slot=np.zeros(capacity, np.int64),
         members=np.zeros((2, capacity), np.int64),
         near=np.zeros((2, len(axes), capacity + _APART), np.float32),
+        copies=np.zeros((2, capacity, n_dims if with_copies else 0), np.float32),
+        halves=np.zeros((2, capacity)),
         axes=axes,
     )
     for kind in (NOISE_POINT, CLUSTER_POINT):
@@ -189,4 +201,8 @@ def build_index(rows: Rows, axes: IntArray) -> Index:
         index.members[kind, : len(members)] = members
         index.slot[members] = np.arange(len(members))
         index.near[kind, :, : len(members)] = rows.references[np.ix_(members, axes)].T
+        if with_copies:
+            index.copies[kind, : len(members)] = rows.references[members]
+            squares = np.square(index.copies[kind, : len(members)], dtype=np.float64)
+            index.halves[kind, : len(members)] = 0.5 * squares.sum(axis=1)
     return index

@@ -13,12 +13,10 @@ from mpap_cli.commands.inputs.sources import Losses, Source, open_sources
 from mpap_cli.commands.learning.recorder import Recorder
 from mpap_cli.errors import UsageError
 from mpap_cli.observations import ObservedLog, Press
-from mpap_cli.outputs.recording import read_recording
+from mpap_cli.outputs.recording import RECORDING_NAME, read_recording
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.results_reader import InputFile, describe_input, has_results, read_results
 from mpap_cli.params import Settings, make_settings, setting_fields
-
-RECORDING = "recording.npz"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,13 +65,13 @@ def learnt_last(out: Path, selection: LogSelection) -> ObservedInput:
         msg = f"{folder}: nothing learnt yet; run mpap learn LOG... first, or name the logs"
         raise UsageError(msg)
     results = read_results(folder)
-    if RECORDING not in results.outputs:
+    if RECORDING_NAME not in results.outputs:
         msg = f"{folder}: learnt with --no-recording; name the logs to score"
         raise UsageError(msg)
     keys = setting_fields()
     values = {key: value for key, value in results.settings.items() if key in keys}
     return ObservedInput(
-        logs=tuple(read_recording(results.path(RECORDING))),
+        logs=tuple(read_recording(results.path(RECORDING_NAME))),
         inputs=results.inputs,
         learnt=make_settings(str(results.settings["profile"]), values),
         values={  # what is scored may be of another profile, but not of another forward
@@ -101,7 +99,7 @@ def observe_logs(
         If a log has no scan topic.
     """
     losses, inputs = Losses(), list[InputFile]()
-    recording = results.path(RECORDING)
+    recording = results.path(RECORDING_NAME)
     with Recorder(recording) as recorder:
         for source in open_sources(selection, settings, losses):
             recorder.end_log(source, _presses(source, settings, recorder, jobs, progress))
@@ -119,7 +117,7 @@ def observe_logs(
 
 def drop_recording(results: ResultsFolder) -> None:
     """Remove the recording that :func:`observe_logs` made; it is no result."""
-    results.path(RECORDING).unlink(missing_ok=True)
+    results.path(RECORDING_NAME).unlink(missing_ok=True)
 
 
 def _presses(

@@ -16,6 +16,7 @@ from mpap_cli.evaluation.rows import (
 from mpap_cli.evaluation.scoring import Evaluation
 from mpap_cli.evaluation.timelines import Timeline
 from mpap_cli.outputs import plots
+from mpap_cli.outputs.latex import latex_table
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.tables import write_csv
 from mpap_cli.systems.cluster_rows import ClusterRow
@@ -32,7 +33,9 @@ def write_evaluation(results: ResultsFolder, evaluation: Evaluation) -> None:
         What was found; clusters.csv and the timeline are of its first variant.
     """
     model = evaluation.models[0]
-    write_csv(results.path("auc.csv"), AucRow, (marks.row for marks in evaluation.marks))
+    scores = [marks.row for marks in evaluation.marks]
+    write_csv(results.path("auc.csv"), AucRow, scores)
+    results.path("auc.tex").write_text(latex_table(scores), encoding="utf-8")
     roc_rows = (row for marks in evaluation.marks for row in marks.roc_rows())
     write_csv(results.path("roc.csv"), RocRow, roc_rows)
     write_csv(results.path("differences.csv"), DifferenceRow, evaluation.differences)

@@ -25,7 +25,7 @@ from mpap_cli.outputs.score_lines import Auc, Comparison
 from mpap_cli.outputs.text_table import count
 
 
-def summarise(
+def summarize(
     evaluation: Evaluation,
     question: Question,
     variants: Sequence[Variant],

@@ -13,7 +13,7 @@ from mpap_cli.commands.settings import SettingsRequest, settings_from
 from mpap_cli.errors import ModelError, UsageError
 from mpap_cli.observations import ObservedLog
 from mpap_cli.outputs.model_file import find_model, read_model, write_model
-from mpap_cli.outputs.recording import read_recording
+from mpap_cli.outputs.recording import RECORDING_NAME, read_recording
 from mpap_cli.params import Settings
 from mpap_cli.systems.appearance import AppearanceModel
 from mpap_cli.systems.collision import CollisionModel
@@ -120,7 +120,7 @@ def save_models(path: Path, models: Models) -> None:
 
 def recorded_beside(path: Path) -> tuple[ObservedLog, ...] | None:
     """Return the logs that a model learnt from, if their recording lies beside it."""
-    recording = find_model(path).with_name("recording.npz")
+    recording = find_model(path).with_name(RECORDING_NAME)
     return tuple(read_recording(recording)) if recording.is_file() else None
 
 

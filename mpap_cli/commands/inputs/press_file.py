@@ -1,15 +1,15 @@
 """The file of ``--bump-from FILE.csv``: presses written by hand."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.logs.reader import LogPath
 from mpap_cli.outputs.results_reader import InputFile, describe_input
 from mpap_cli.properties.press_files import PressRow, presses_from_csv, rows_of_logs
 
 
 def presses_by_hand(
-    selection: LogSelection, paths: Sequence[Path]
+    selection: LogSelection, paths: Sequence[LogPath]
 ) -> dict[str, tuple[PressRow, ...]] | None:
     """Read the file, if presses come from one.
 
@@ -17,7 +17,7 @@ def presses_by_hand(
     ----------
     selection : LogSelection
         Says where presses come from.
-    paths : sequence of Path
+    paths : sequence of Path or RemotePath
         The logs given; the file must name none but these.
 
     Returns

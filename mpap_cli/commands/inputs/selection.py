@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from mpap_cli.logs.fields import TimeSource
-from mpap_cli.logs.reader import expand_paths
+from mpap_cli.logs.reader import LogPath, expand_paths
 from mpap_cli.logs.replay import ReplayOptions
 from mpap_cli.logs.topics import TopicChoice
 from mpap_cli.params import Settings, settings_values
@@ -73,7 +73,7 @@ class LogSelection:
             scan=self.scan_topic, image=self.image_topic, bumps=self.bump_topics, bump_from=kind
         )
 
-    def paths(self) -> list[Path]:
+    def paths(self) -> list[LogPath]:
         """Return the logs in the order given.
 
         Raises
@@ -84,7 +84,7 @@ class LogSelection:
         named = [path for word in self.logs for path in expand_paths([word])]
         if not self.once:
             return named
-        found: dict[Path, Path] = {}
+        found: dict[LogPath, LogPath] = {}
         for path in named:
             if path.resolve() in found:
                 LOGGER.warning("%s: given twice; read once", path.name)

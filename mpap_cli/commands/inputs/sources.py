@@ -11,7 +11,7 @@ from mpap_cli.commands.inputs.selection import LogSelection
 from mpap_cli.commands.inputs.sensors import SCAN, sensors_of
 from mpap_cli.errors import LogError
 from mpap_cli.logs.clocks import out_of_turn
-from mpap_cli.logs.reader import Damage, LogReader, open_log
+from mpap_cli.logs.reader import Damage, LogPath, LogReader, open_log
 from mpap_cli.logs.replay import Replay
 from mpap_cli.logs.survey import Survey, survey_log
 from mpap_cli.logs.topics import Roles, choose_roles
@@ -66,7 +66,7 @@ class Source:
     """
 
     name: str
-    path: Path
+    path: LogPath
     index: int
     reader: LogReader
     roles: Roles
@@ -87,7 +87,9 @@ class Source:
                 yield with_virtual_bumps(batch, self.bump_distance_m, self.survey.range_max)
 
 
-def open_sources(selection: LogSelection, settings: Settings, losses: Losses) -> Iterator[Source]:
+def open_sources(
+    selection: LogSelection, settings: Settings, losses: Losses, *, required: bool = True
+) -> Iterator[Source]:
     """Open one log after the other, in the order given; each is closed at the next.
 
     Parameters
@@ -98,6 +100,8 @@ def open_sources(selection: LogSelection, settings: Settings, losses: Losses) ->
         Forward direction and bumper settings.
     losses : Losses
         Filled with what could not be read.
+    required : bool
+        As for :func:`survey_source`.
 
     Yields
     ------
@@ -125,8 +129,8 @@ def open_sources(selection: LogSelection, settings: Settings, losses: Losses) ->
             losses.left_out.append(path.name)
             continue
         with reader:
-            source = survey_source(reader, index, selection, settings, by_hand)
-            _tell_of(source)
+            source = survey_source(reader, index, selection, settings, by_hand, required=required)
+            tell_of_source(source)
             if before is not None and (words := out_of_turn(reader, before)):
                 LOGGER.warning("%s: %s", path.name, words)
             before = reader
@@ -138,7 +142,7 @@ def open_sources(selection: LogSelection, settings: Settings, losses: Losses) ->
         raise LogError(msg)
 
 
-def open_readable(path: Path, selection: LogSelection) -> LogReader:
+def open_readable(path: LogPath, selection: LogSelection) -> LogReader:
     """Open a log that holds at least one message.
 
     Raises
@@ -224,7 +228,7 @@ def survey_source(
     )
 
 
-def _tell_of(source: Source) -> None:
+def tell_of_source(source: Source) -> None:
     """Say what was chosen, and what is odd about the log."""
     name, roles, presses_from = source.name, source.roles, source.start.bump_source
     presses_from = presses_from if presses_from != "none" else roles.bump_reason
@@ -236,6 +240,7 @@ def _tell_of(source: Source) -> None:
         )
         if topic is not None and what in source.sensors
     ]
-    LOGGER.info("%s: %s, presses from %s", name, ", ".join(used), presses_from)
+    used.append(f"presses from {presses_from}")
+    LOGGER.info("%s: %s", name, ", ".join(used))
     for warning in (*source.reader.warnings, *(f"{name}: {note}" for note in roles.notes)):
         LOGGER.warning("%s", warning)

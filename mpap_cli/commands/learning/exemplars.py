@@ -24,7 +24,7 @@ def draw_exemplars(
     clusters: Sequence[ClusterRow],
     recording: Path,
     selection: LogSelection,
-) -> None:
+) -> list[ExemplarPicture]:
     """Draw exemplars.png (Fig. 11).
 
     Parameters
@@ -37,6 +37,11 @@ def draw_exemplars(
         Scans of the logs that have just been read.
     selection : LogSelection
         The same logs, for the images.
+
+    Returns
+    -------
+    list of ExemplarPicture
+        What each cluster's exemplar looks like, also of those that were not drawn.
     """
     rows = {(row.exemplar_log, row.exemplar_stamp_ns): row for row in clusters}
     images = _images(selection, {key[1] for key in rows}) if rows else {}
@@ -48,6 +53,7 @@ def draw_exemplars(
         for index, row in _exemplars_in(observed[log], block, rows)
     ]
     write_exemplars(path, pictures)
+    return pictures
 
 
 def _exemplars_in(

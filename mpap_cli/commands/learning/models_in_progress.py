@@ -1,16 +1,16 @@
 """The models on their way through the logs of ``learn``."""
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from mpap_cli.commands.inputs.hints import tell_of_presses
 from mpap_cli.commands.inputs.models import Models
 from mpap_cli.commands.inputs.progress import Progress
-from mpap_cli.commands.inputs.replaying import Embed, follow
+from mpap_cli.commands.inputs.replaying import follow, follow_in_parts
 from mpap_cli.commands.inputs.sources import Source
 from mpap_cli.commands.learning.recorder import Recorder
 from mpap_cli.features.scans.scan_features import FEW_BEAMS
-from mpap_cli.observations import Press
+from mpap_cli.observations import Batch, Press
 from mpap_cli.outputs.text_table import count
 from mpap_cli.systems.appearance import AppearanceModel
 from mpap_cli.systems.collision import CollisionModel
@@ -38,20 +38,33 @@ def learn_log(
             model.begin_log(source.start)
     recorder.begin_log()
     n_scans = n_learnt = 0
-    embed: Embed | None = None if appearance is None else appearance.embed
-    for batch, patches in follow(source, jobs, progress, "learn", embed):
+    for batch in _batches(source, appearance, jobs, progress):
         recorder.record(batch)
         if collision is not None:
             learnt = collision.observe(batch)
             n_scans += sum(len(block.stamps_ns) for block in batch.scans)
             n_learnt += sum(len(block.ids) for block in learnt)
-        if appearance is not None and patches is not None:
-            appearance.learn(patches)
+        if appearance is not None:
             appearance.settle(batch.bumps, batch.poses, batch.until_ns)
     source.skipped[FEW_BEAMS] += n_scans - n_learnt
     presses = _end(source, collision, appearance)
     recorder.end_log(source, presses)
     tell_of_presses(source, presses, recorder.scan_span)
+
+
+def _batches(
+    source: Source, appearance: AppearanceModel | None, jobs: int, progress: Progress
+) -> Iterator[Batch]:
+    """Replay a log; the patches of a batch are learnt before it comes, its labels are not."""
+    if appearance is None:
+        for batch, _ in follow(source, jobs, progress, "learn"):
+            yield batch
+        return
+    for part, patches in follow_in_parts(source, jobs, progress, "learn", appearance.embed):
+        if patches is not None:
+            appearance.learn(patches)
+        if part is not None:
+            yield part
 
 
 def _end(

@@ -15,7 +15,9 @@ _Key = tuple[str, int, int]
 """Base name of the log, stamp, number of the patch."""
 
 
-def draw_patches(paths: Sequence[Path], model: AppearanceModel, selection: LogSelection) -> None:
+def draw_patches(
+    paths: Sequence[Path], model: AppearanceModel, selection: LogSelection
+) -> list[PatchCluster]:
     """Draw the exemplars (Fig. 14) and members (Fig. 15) of the clusters of patches.
 
     Parameters
@@ -26,6 +28,11 @@ def draw_patches(paths: Sequence[Path], model: AppearanceModel, selection: LogSe
         Clusters whose exemplars lie in logs of an older run are drawn without picture.
     selection : LogSelection
         The logs that have just been read.
+
+    Returns
+    -------
+    list of PatchCluster
+        What each cluster looks like, also of those that were not drawn.
     """
     exemplars, members = paths
     pictures = model.pictures()
@@ -44,6 +51,7 @@ def draw_patches(paths: Sequence[Path], model: AppearanceModel, selection: LogSe
     ]
     write_patch_exemplars(exemplars, clusters)
     write_members(members, clusters)
+    return clusters
 
 
 def _cut(model: AppearanceModel, selection: LogSelection, wanted: set[_Key]) -> dict[_Key, Image]:

@@ -1,6 +1,5 @@
 """Predictions as a log that viewers open beside the original: values, images and events."""
 
-import re
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 
@@ -11,6 +10,7 @@ from mpap_cli.evaluation.alarms import BEGINS
 from mpap_cli.evaluation.timelines import Timeline
 from mpap_cli.logs.writing.event_log import EventLogWriter
 from mpap_cli.observations import BoolArray, IntArray, Press
+from mpap_cli.outputs.file_names import file_name
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.systems.decision import ACTIONS
 
@@ -19,7 +19,6 @@ COLLISION_TOPIC, DECISION_TOPIC, IMAGE_TOPIC = (
     "/mpap/decision",
     "/mpap/annotated",
 )
-_ODD_CHARACTERS = re.compile(r"[^\w.-]", re.ASCII)
 
 
 def prediction_log(
@@ -40,8 +39,7 @@ def prediction_log(
     """
     if not wanted:
         return nullcontext(None)
-    file_name = f"{log_index}-{_ODD_CHARACTERS.sub('_', name)}.mcap"
-    return EventLogWriter(results.path(file_name))
+    return EventLogWriter(results.path(file_name(f"{log_index}-{name}", ".mcap")))
 
 
 def write_scan_logs(results: ResultsFolder, timeline: Timeline) -> None:

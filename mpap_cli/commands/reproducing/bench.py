@@ -14,6 +14,7 @@ from mpap_cli.evaluation.reproduced import (
     Spread,
     spread,
 )
+from mpap_cli.logs.reader import LogPath
 from mpap_cli.outputs.results_reader import InputFile, describe_input
 from mpap_cli.params import Settings, make_settings
 
@@ -163,7 +164,7 @@ class Bench:
         if self.wants(item):
             self.found.findings.append(Finding(item, words))
 
-    def read(self, path: Path) -> None:
+    def read(self, path: LogPath) -> None:
         """Note a file of the user that the results depend on."""
         self.found.inputs.append(describe_input(path))
 

@@ -119,14 +119,14 @@ def _plane(title: str, one: _Run, method: tuple[str, str]) -> Plane:
     if method != _MPAP:
         return Plane(words, points, one.result.labels)
     circles = _cluster_points(points)
-    gaps = squared_distances(points, circles, normalised=False).min(axis=1)
+    gaps = squared_distances(points, circles, normalized=False).min(axis=1)
     labels = np.where(gaps < META_POINT.theta**2, one.result.labels, UNASSIGNED)
     return Plane(words, points, labels, circles, META_POINT.theta)
 
 
 def _cluster_points(points: Float32Array) -> Float32Array:
     """Return the means of the cluster-points (m, 2)."""
-    meta_points = MetaPoints(META_POINT, 2, normalised=False)
+    meta_points = MetaPoints(META_POINT, 2, normalized=False)
     meta_points.add_data_points(points, np.arange(len(points)))
     references = meta_points.references()[meta_points.is_cluster_point]
     return np.asarray(references, dtype=np.float32)

@@ -95,7 +95,7 @@ def cluster_all_points(
 
     def work() -> Clustering:
         rule = settings.affinity.similarity
-        s = similarities(points.features, rule, normalised=points.normalised)
+        s = similarities(points.features, rule, normalized=points.normalized)
         preference = coarse_preference(s) if coarse else resolve_preference(s, "median")
         return affinity_propagation(s, preference, settings.affinity)
 
@@ -163,11 +163,11 @@ def _by_meta_points(
     The stamp of a point is its row.
     """
     n, n_dims = points.features.shape
-    meta_points = MetaPoints(params, n_dims, normalised=points.normalised)
+    meta_points = MetaPoints(params, n_dims, normalized=points.normalized)
     meta_points.add_data_points(points.features, np.arange(n))
     found = meta_points.cluster(settings.affinity)
     references = meta_points.references()[meta_points.is_cluster_point]
-    rows, _ = nearest_rows(points.features, references, normalised=points.normalised)
+    rows, _ = nearest_rows(points.features, references, normalized=points.normalized)
     return meta_points, found, np.append(found.labels, UNASSIGNED)[rows]
 
 
@@ -198,7 +198,7 @@ def cluster_by_strap(
         strap.add_observations(points.features, np.arange(n), np.zeros(n, np.int64), 0)
         if strap.n_reservoir:
             strap.rebuild()
-        rows, squared = nearest_rows(points.features, strap.exemplars, normalised=True)
+        rows, squared = nearest_rows(points.features, strap.exemplars, normalized=True)
         return rows, squared, strap, None if fine else strap.coarse()
 
     (rows, squared, strap, coarse), seconds = timed(work)
@@ -215,17 +215,17 @@ def cluster_by_strap(
 
 
 def nearest_rows(
-    points: Float32Array, references: FloatArray, *, normalised: bool
+    points: Float32Array, references: FloatArray, *, normalized: bool
 ) -> tuple[IntArray, Float64Array]:
     """Return the row of the nearest reference and its squared distance, both (n,).
 
     Row -1 at distance inf where there is no reference.
     """
-    if normalised or not len(references):
+    if normalized or not len(references):
         rows, squared = nearest_exemplars(points, references.astype(np.float32), 1)
         return rows[:, 0], squared[:, 0]
     blocks = [
-        squared_distances(points[at : at + _BLOCK], references, normalised=False)
+        squared_distances(points[at : at + _BLOCK], references, normalized=False)
         for at in range(0, len(points), _BLOCK)
     ]
     rows = np.concatenate([block.argmin(axis=1) for block in blocks])

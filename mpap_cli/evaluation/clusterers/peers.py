@@ -75,7 +75,7 @@ def cluster_by_density(points: LabelledPoints, *, with_noise: bool) -> Clusterin
         member = found >= 0
         if not with_noise and member.any():
             rows, _ = nearest_rows(
-                points.features, points.features[member], normalised=points.normalised
+                points.features, points.features[member], normalized=points.normalized
             )
             found = np.where(member, found, found[member][rows])
         return found, float(member.mean())
@@ -98,7 +98,7 @@ def cluster_stream(
     theta = settings.meta_point.theta
     if settings.theta_from_points:
         theta = theta_of_patches(points.features, seed)
-    radius = theta * np.sqrt(2.0) if points.normalised else theta
+    radius = theta * np.sqrt(2.0) if points.normalized else theta
     stream = [dict(enumerate(row)) for row in points.features.astype(np.float64).tolist()]
 
     def work() -> tuple[FloatArray, FloatArray]:
@@ -118,8 +118,8 @@ def cluster_stream(
         return np.reshape(centers, (-1, n_dims)), np.reshape(micro, (-1, n_dims))
 
     (centers, micro), seconds = timed(work)
-    labels, _ = nearest_rows(points.features, centers, normalised=False)
-    _, squared = nearest_rows(points.features, micro, normalised=False)
+    labels, _ = nearest_rows(points.features, centers, normalized=False)
+    _, squared = nearest_rows(points.features, micro, normalized=False)
     coverage = float(np.mean(squared <= radius**2))
     return _result(labels, len(centers), seconds, coverage=coverage, clustered_points=len(micro))
 

@@ -21,13 +21,13 @@ class LabelledPoints:
     """Points and the classes they belong to.
 
     ``features`` (n, d) float32 are embedded histograms, at the distances of equation 7, if
-    ``normalised``, else any points at Euclidean distances; ``classes`` (n,) int64 counts from
+    ``normalized``, else any points at Euclidean distances; ``classes`` (n,) int64 counts from
     0, and -1 marks noise, which takes part in the clustering but not in the scores.
     """
 
     features: Float32Array
     classes: IntArray
-    normalised: bool = True
+    normalized: bool = True
 
     def in_order(self, order: IntArray) -> "LabelledPoints":
         """Return the points in another order, (n,) row numbers."""
@@ -73,7 +73,7 @@ class ClusteringResult:
 
     ``labels`` (n,) int64 count from 0, -1 where the clusterer calls a point noise;
     ``clustered_points`` is how many points were left to cluster after they had been
-    summarised (cluster-points, exemplars, micro-clusters), None where nothing is;
+    summarized (cluster-points, exemplars, micro-clusters), None where nothing is;
     ``coverage`` is the share of points that belong to one of these (that are not noise);
     ``seconds`` is the processor time of the clusterer alone; ``exemplars`` (clusters,) are
     the rows of the exemplars, None where clusters have none; ``converged`` tells whether

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
@@ -13,22 +14,30 @@ class ClusteringRow:
     """One run of one clusterer (a row of cluster.csv).
 
     ``order_seed`` is None where neither order nor seed matters; ``clustered_points`` and
-    ``coverage`` are None where nothing is summarised or left out. Scores are NaN unless
+    ``coverage`` are None where nothing is summarized or left out. Scores are NaN unless
     the points belong to two classes or more.
     """
 
-    method: str
-    variant: str
-    order_seed: int | None
-    clusters: int
-    points: int
-    clustered_points: int | None
-    coverage: float | None
-    v_measure: float
-    homogeneity: float
-    completeness: float
-    ari: float
-    seconds: float
+    method: Annotated[
+        str, "`ap`, `mpap`, `strap`, `k-means`, `mean-shift`, `hdbscan` or `denstream`"
+    ]
+    variant: Annotated[str, "which form of the method"]
+    order_seed: Annotated[
+        int | None, "seed of the order of the points; empty where neither order nor seed matters"
+    ]
+    clusters: Annotated[int, "clusters that were found"]
+    points: Annotated[int, "points that were clustered"]
+    clustered_points: Annotated[
+        int | None, "meta-points that stand for them; empty where nothing is summarized"
+    ]
+    coverage: Annotated[
+        float | None, "share of the points that lie in a cluster; empty where none is left out"
+    ]
+    v_measure: Annotated[float, "V-measure against the classes, beta 1"]
+    homogeneity: Annotated[float, "whether a cluster holds one class only"]
+    completeness: Annotated[float, "whether a class lies in one cluster only"]
+    ari: Annotated[float, "adjusted Rand index"]
+    seconds: Annotated[float, "duration; alone may differ from run to run"]
 
 
 def score_clustering(

@@ -52,7 +52,7 @@ class MethodSummary:
         return self.method if self.variant == "default" else f"{self.method} ({self.variant})"
 
 
-def summarise(rows: Sequence[ClusteringRow]) -> list[MethodSummary]:
+def summarize(rows: Sequence[ClusteringRow]) -> list[MethodSummary]:
     """Return one summary a method and variant, in the order of the rows.
 
     The spread is the standard deviation over the runs, 0 of a single one.
@@ -69,7 +69,7 @@ def _summary(key: tuple[str, str], rows: Sequence[ClusteringRow]) -> MethodSumma
     def mean(name: str) -> float:
         return float(np.mean([getattr(row, name) for row in rows]))
 
-    summarised = rows[0].clustered_points is not None
+    summarized = rows[0].clustered_points is not None
     covered = rows[0].coverage is not None
     return MethodSummary(
         method=key[0],
@@ -81,7 +81,7 @@ def _summary(key: tuple[str, str], rows: Sequence[ClusteringRow]) -> MethodSumma
         completeness=mean("completeness"),
         ari=mean("ari"),
         clusters=mean("clusters"),
-        clustered_points=mean("clustered_points") if summarised else None,
+        clustered_points=mean("clustered_points") if summarized else None,
         coverage=mean("coverage") if covered else None,
         seconds=mean("seconds"),
         paper=PAPER.get(key),
@@ -94,7 +94,7 @@ def findings(summaries: Sequence[MethodSummary], n_classes: int) -> list[str]:
     Parameters
     ----------
     summaries : sequence of MethodSummary
-        From :func:`summarise`.
+        From :func:`summarize`.
     n_classes : int
         Classes of the points.
 

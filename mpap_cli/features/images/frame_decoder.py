@@ -55,14 +55,14 @@ class FrameDecoder:
             if frame.encoding in VIDEO_ENCODINGS:
                 video.append(position)
             else:
-                yield position, self._still(frame)
+                yield position, self.still(frame)
         if not video:  # PyAV, an extra, may be missing
             return
         for number, found in self._video.decode([frames[position] for position in video]):
             yield video[number], found if isinstance(found, str) else as_recorded(found)
 
-    def _still(self, frame: Frame) -> Decoded | str:
-        """Decode an image that is no video."""
+    def still(self, frame: Frame) -> Decoded | str:
+        """Decode an image that is no video, in any thread; or say why there is none."""
         if frame.encoding != COMPRESSED and frame.encoding not in RAW_ENCODINGS:
             return f"encoding {frame.encoding}"
         decoded = decode_scaled(frame, self._smallest)

@@ -1,19 +1,22 @@
 """Camera images become embedded patches (section 4.2.2)."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import astuple
+from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpap_cli.features.images import _kernels
 from mpap_cli.features.images.frame_decoder import FrameDecoder
-from mpap_cli.features.images.image_decode import Image, decode_frame
+from mpap_cli.features.images.image_decode import Decoded, Image, decode_frame
 from mpap_cli.features.images.lbp import uniform_codes
 from mpap_cli.features.images.patches import lay_out_patches
 from mpap_cli.features.images.pixels._kernels import describe_pixels
-from mpap_cli.observations import Float32Array, Frame, PatchBlock
+from mpap_cli.observations import VIDEO_ENCODINGS, Float32Array, Frame, PatchBlock
 from mpap_cli.params import ImageParams
 
 BLACK = "black"
@@ -23,6 +26,13 @@ ENCODING_CHANGES = "encoding changes"
 _BRIGHT = slice(_kernels.COLOR_BINS - _kernels.CHANNEL_BINS + 1, _kernels.COLOR_BINS)
 
 _Described = tuple[NDArray[np.uint16], NDArray[np.uint8]]
+
+
+class _Seen(NamedTuple):
+    """What is known of an image that could be decoded: the size it was recorded with."""
+
+    size: tuple[int, int]
+    is_black: bool
 
 
 class PatchEmbedder:
@@ -75,13 +85,16 @@ class PatchEmbedder:
         self._decoder = FrameDecoder(self._smallest)
         self._last: tuple[str, tuple[int, int]] | None = None
 
-    def transform(self, frames: Sequence[Frame]) -> PatchBlock:
+    def transform(self, frames: Sequence[Frame], jobs: int = 1) -> PatchBlock:
         """Decode images and describe their patches.
 
         Parameters
         ----------
         frames : sequence of Frame
             Consecutive images of one log.
+        jobs : int
+            Threads among which the images are shared out, but for video, whose pictures
+            depend on one another. The features do not depend on it.
 
         Returns
         -------
@@ -89,15 +102,15 @@ class PatchEmbedder:
             Of the images that can be used; the others are counted in ``skipped``.
         """
         features = np.empty((len(frames), self.n_patches, self.n_dims), np.float32)
-        described = np.empty(self._size[::-1], np.uint16), np.empty(self._size[::-1], np.uint8)
         kept: list[int] = []
-        for position, found in self._decoder.decode(frames):
-            if isinstance(found, str):
-                self.skipped[found] += 1
+        for position, seen in self._look_at(frames, features, jobs):
+            if isinstance(seen, str):
+                self.skipped[seen] += 1
                 continue
-            self._compare(frames[position].encoding, found.size)
-            image = _resized(found.image, self._size)
-            if self._describe(image, described, features[position]):
+            self._compare(frames[position].encoding, seen.size)
+            if seen.is_black:
+                self.skipped[BLACK] += 1
+            else:
                 kept.append(position)
         kept.sort()
         return PatchBlock(
@@ -106,12 +119,47 @@ class PatchEmbedder:
             kept=np.array(kept, np.int64),
         )
 
+    def _look_at(
+        self, frames: Sequence[Frame], features: Float32Array, jobs: int
+    ) -> Iterator[tuple[int, _Seen | str]]:
+        """Write the features of images; yield what was seen of each, or why nothing."""
+        stills = [n for n, frame in enumerate(frames) if frame.encoding not in VIDEO_ENCODINGS]
+        parts = [part.tolist() for part in np.array_split(stills, jobs) if part.size]
+
+        def look(part: list[int]) -> list[_Seen | str]:
+            return list(
+                map(self._viewer(features), part, (self._decoder.still(frames[n]) for n in part))
+            )
+
+        if len(parts) > 1:
+            with ThreadPoolExecutor(len(parts)) as pool:
+                seen = chain.from_iterable(list(pool.map(look, parts)))
+        else:
+            seen = chain.from_iterable(map(look, parts))
+        yield from zip(stills, seen, strict=True)
+        if len(stills) < len(frames):
+            video = [n for n, frame in enumerate(frames) if frame.encoding in VIDEO_ENCODINGS]
+            view = self._viewer(features)
+            for position, found in self._decoder.decode([frames[n] for n in video]):
+                yield video[position], view(video[position], found)
+
+    def _viewer(self, features: Float32Array) -> Callable[[int, Decoded | str], _Seen | str]:
+        """Return what writes the features of one image after the other, for one thread."""
+        described = np.empty(self._size[::-1], np.uint16), np.empty(self._size[::-1], np.uint8)
+
+        def view(position: int, found: Decoded | str) -> _Seen | str:
+            if isinstance(found, str):
+                return found
+            image = _resized(found.image, self._size)
+            return _Seen(found.size, not self._describe(image, described, features[position]))
+
+        return view
+
     def _describe(self, image: Image, described: _Described, features: Float32Array) -> bool:
         """Write the features of the patches of a working image, unless it is black."""
         describe_pixels(image, *described, circular=self.params.lbp == "circular")
         counts = _kernels.count_patches(*described, self._grid, self._uniform)
         if not counts[:, _BRIGHT].any():
-            self.skipped[BLACK] += 1
             return False
         _kernels.embed_counts(counts, self.params.color_weight, features)
         return True

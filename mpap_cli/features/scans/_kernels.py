@@ -1,4 +1,4 @@
-"""Compiled loops over a block of scans: cleaning, values of bins, minimum over a window.
+"""Compiled loops over a block of scans: cleaning, values of bins.
 
 LANES scans go side by side (vector instructions), each with its sums in beam order: a value
 does not depend on how a log is cut into blocks.
@@ -7,7 +7,8 @@ does not depend on how a log is cut into blocks.
 import numpy as np
 from numba import njit
 
-from mpap_cli.observations import Float32Array, Float64Array, IntArray
+from mpap_cli.features.scans.rows._kernels import fill_empty
+from mpap_cli.observations import BoolArray, Float32Array, Float64Array, IntArray
 
 F32 = Float32Array
 F64 = Float64Array
@@ -28,13 +29,12 @@ def _clean_row(row: F32, limits: F32, cleaned: F32) -> None:
     near, zero, none = limits[3], limits[4], limits[5]
     for i in range(row.size):
         r = row[i]
-        value = min(cap, r)
+        value = r if r < cap else cap  # noqa: FURB136  # min() is slower
         value = near if r < range_min else value
-        value = none if r > reach else value
-        value = none if r < _ZERO else value
+        is_none = (r > reach) | (r < _ZERO) | (r != r)  # noqa: PLR0124  # NaN is no number
+        value = none if is_none else value
         value = near if r == -_INF else value
         value = zero if r == _ZERO else value
-        value = none if r != r else value  # noqa: PLR0124  # NaN is not equal to itself
         cleaned[i] = value
 
 
@@ -126,14 +126,23 @@ def _write_values(statistic: int, extremes: F32, sums: F64, steps: F64, values: 
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def _fill_empty(values: F64, runs: I64, empty: float, held: F64) -> None:
-    """Give bins without a range the value of the scan before, or else ``empty``."""
-    for i in range(values.shape[0]):
-        for b in range(values.shape[1]):
-            if np.isnan(values[i, b]):
-                outside = runs[b, 0] == runs[b, 1]
-                values[i, b] = empty if outside or np.isnan(held[b]) else held[b]
-            held[b] = values[i, b]
+def _lower(least: F32, others: F32) -> None:
+    """Lower what is greater than the others."""
+    for s in range(LANES):
+        least[s] = min(least[s], others[s])
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _take_bins(runs: I64, is_rest: BoolArray, is_taken: BoolArray) -> None:
+    """Mark the bins that lie whole in the rest of a turn, and take their beams out of it."""
+    for b in range(is_taken.size):
+        inside = True
+        for position in range(runs[b, 0], runs[b, 1]):
+            inside &= is_rest[position % is_rest.size]
+        is_taken[b] = inside
+        if inside:
+            for position in range(runs[b, 0], runs[b, 1]):
+                is_rest[position % is_rest.size] = False
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
@@ -142,6 +151,7 @@ def _bin_block(  # a kernel takes plain arrays
     limits: F32,
     runs: I64,
     stretch: F32,
+    wants_front: bool,
     statistics: I64,
     held: F64,
     values: F64,
@@ -159,56 +169,47 @@ def _bin_block(  # a kernel takes plain arrays
         wants_extremes |= statistic in (MIN, MAX, SPAN)
         wants_sums |= statistic == MEAN
         wants_steps |= statistic in (STEP, SLOPE)
-    cleaned = np.empty(ranges.shape[1], np.float32)
+    n_ahead = runs[n_bins, 1] - runs[n_bins, 0]
+    is_rest = np.zeros(n_turn, np.bool_)
+    for position in range(n_ahead):
+        is_rest[(runs[n_bins, 0] + position) % n_turn] = True
+    is_ahead = np.zeros(n_bins, np.bool_)
+    if wants_extremes:
+        _take_bins(runs, is_rest, is_ahead)
+    cleaned = np.zeros((LANES, ranges.shape[1]), np.float32)
     beams = np.zeros((n_turn, LANES), np.float32)
-    extremes, least = np.empty((2, LANES), np.float32), np.empty(LANES, np.float32)
+    extremes, least = np.empty((2, LANES), np.float32), np.empty((2, LANES), np.float32)
     sums, steps = np.empty((2, LANES), np.float64), np.empty((4, LANES), np.float64)
     for first in range(0, n_scans, LANES):
         last = min(first + LANES, n_scans)
         for i in range(first, last):
-            _clean_row(ranges[i], limits, cleaned)
-            for k in range(n_turn):
-                beams[k, i - first] = cleaned[k]
+            _clean_row(ranges[i], limits, cleaned[i - first])
+        for k in range(n_turn):
+            for s in range(LANES):
+                beams[k, s] = cleaned[s, k]
         least[:] = _INF
         for b in range(n_bins):
-            _reduce_stretched(beams, runs[b, 0], runs[b, 1], stretch, least)
+            if wants_front:
+                _reduce_stretched(beams, runs[b, 0], runs[b, 1], stretch, least[1])
             if wants_extremes:
                 _reduce_extremes(beams, runs[b, 0], runs[b, 1], extremes)
+                if is_ahead[b]:
+                    _lower(least[0], extremes[0])
             if wants_sums:
                 _reduce_sums(beams, runs[b, 0], runs[b, 1], sums)
             if wants_steps:
                 _reduce_steps(beams, runs[b, 0], runs[b, 1], steps)
             for f in range(statistics.size):
                 _write_values(statistics[f], extremes, sums, steps, values[f, first:last, b])
-        _reduce_extremes(beams, runs[n_bins, 0], runs[n_bins, 1], extremes)
+        for k in range(n_turn):
+            if is_rest[k]:
+                _reduce_extremes(beams, k, k + 1, extremes)
+                _lower(least[0], extremes[0])
         for i in range(first, last):
-            nearest[i] = min(extremes[0, i - first], cap)
-            front[i] = min(least[i - first], cap)
+            nearest[i] = min(least[0, i - first], cap)
+            front[i] = min(least[1, i - first], cap)
     for f in range(statistics.size):
-        _fill_empty(values[f], runs, np.float64(cap) if statistics[f] <= MEAN else 0.0, held[f])
-
-
-@njit(nogil=True, cache=True, error_model="numpy")
-def _window_minimum(
-    stamps_ns: I64, values: F64, n_before: int, window_ns: int, minima: F64
-) -> None:
-    """Write per column the least value of the rows not older than the window.
-
-    ``queue`` holds rows of the window whose values rise: its head is the minimum.
-    """
-    n_rows, n_columns = values.shape
-    queue = np.empty(n_rows, np.int64)
-    for column in range(n_columns):
-        head, tail = 0, 0
-        for i in range(n_rows):
-            while tail > head and values[queue[tail - 1], column] >= values[i, column]:
-                tail -= 1
-            queue[tail] = i
-            tail += 1
-            while stamps_ns[queue[head]] < stamps_ns[i] - window_ns:
-                head += 1
-            if i >= n_before:
-                minima[i - n_before, column] = values[queue[head], column]
+        fill_empty(values[f], runs, np.float64(cap) if statistics[f] <= MEAN else 0.0, held[f])
 
 
 def clean_block(ranges: F32, limits: F32) -> F32:
@@ -219,28 +220,25 @@ def clean_block(ranges: F32, limits: F32) -> F32:
 
 
 def bin_block(
-    ranges: F32, limits: F32, runs: I64, stretch: F32, statistics: I64, held: F64
+    ranges: F32,
+    limits: F32,
+    runs: I64,
+    stretch: F32,
+    statistics: I64,
+    held: F64,
+    *,
+    wants_front: bool = True,
 ) -> tuple[F64, F32, F32]:
     """Return values (statistics, n, bins), nearest ahead (n,) and nearest in front (n,).
 
     ``runs`` (bins + 1, 2) are runs start..stop-1 of beams, counted on over the end of the
     turn, the last of them the beams ahead. Nearest in front is the least range of all bins
-    after each beam of the turn was multiplied by its ``stretch`` (n_turn,). ``held``
-    (statistics, bins) are the values of the scan before, NaN if there is none; those of
-    the last scan are written there.
+    after each beam of the turn was multiplied by its ``stretch`` (n_turn,); the cap where it
+    is not wanted. ``held`` (statistics, bins) are the values of the scan before, NaN if there
+    is none; those of the last scan are written there.
     """
     n_scans, n_bins = ranges.shape[0], runs.shape[0] - 1
     values = np.empty((statistics.size, n_scans, n_bins), np.float64)
     nearest, front = np.empty(n_scans, np.float32), np.empty(n_scans, np.float32)
-    _bin_block(ranges, limits, runs, stretch, statistics, held, values, nearest, front)
+    _bin_block(ranges, limits, runs, stretch, wants_front, statistics, held, values, nearest, front)
     return values, nearest, front
-
-
-def window_minimum(stamps_ns: I64, values: F64, n_before: int, window_ns: int) -> F64:
-    """Return minima (n - n_before, columns) of values (n, columns) over a window of time.
-
-    Rows before ``n_before`` only look on; a row exactly ``window_ns`` old still counts.
-    """
-    minima = np.empty((values.shape[0] - n_before, values.shape[1]), np.float64)
-    _window_minimum(stamps_ns, values, n_before, window_ns, minima)
-    return minima

@@ -3,9 +3,13 @@
 The points of inverse-min are made of blocks, each a histogram embedded by itself.
 """
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 
-from mpap_cli.distance import embed
+from mpap_cli.distance import ZERO_MASS
+from mpap_cli.features.scans.rows import _kernels
 from mpap_cli.observations import Float32Array, Float64Array
 from mpap_cli.params import ScanParams
 
@@ -39,7 +43,7 @@ def embed_values(
     if params.feature != "inverse-min":
         if params.feature == "seq-diff-signed":
             values = np.concatenate([np.maximum(values, 0.0), np.maximum(-values, 0.0)], axis=1)
-        return embed(_with_slack(values, params.bins * cap, params)).astype(np.float32)
+        return _embedded([(1.0, _with_slack(values, params.bins * cap, params))])
     near, most = inverse(values, params), 1.0 / params.near_floor_m
     in_front = inverse(front[:, None], params)
     blocks = (
@@ -49,8 +53,27 @@ def embed_values(
         (params.approach_weight, _approach_histogram(change)),
     )
     total = sum(weight for weight, _ in blocks)
-    parts = [np.sqrt(weight / total) * embed(block) for weight, block in blocks if weight > 0]
-    return np.concatenate(parts, axis=1).astype(np.float32)
+    return _embedded([(weight / total, block) for weight, block in blocks if weight > 0])
+
+
+def _embedded(blocks: Sequence[tuple[float, Float64Array]]) -> Float32Array:
+    """Embed histograms and put them beside one another; each has its share of the length.
+
+    Raises
+    ------
+    ValueError
+        If a value is negative or not finite, as `distance.embed` does.
+    """
+    n_rows, n_dims = len(blocks[0][1]), sum(block.shape[1] + 1 for _, block in blocks)
+    points = np.empty((n_rows, n_dims), np.float32)
+    begin = n_bad = 0
+    for share, block in blocks:
+        n_bad += _kernels.embed_rows(block, math.sqrt(share), ZERO_MASS, points, begin)
+        begin += block.shape[1] + 1
+    if n_bad:
+        msg = f"values of bins: {n_bad} of {n_rows * n_dims} are negative or not finite"
+        raise ValueError(msg)
+    return points
 
 
 def range_columns(params: ScanParams) -> tuple[int, ...]:

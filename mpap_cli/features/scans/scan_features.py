@@ -183,6 +183,7 @@ class _BinStream:
     def __init__(self, params: ScanParams) -> None:
         self._statistics = np.array([SCAN_FEATURES[params.feature]], np.int64)
         self._held = np.full((1, params.bins), np.nan)
+        self._wants_front = params.feature == "inverse-min"
         looks_back = params.lookback_s > 0
         self._minimum = SlidingMinimum(params.lookback_s, params.bins + 1) if looks_back else None
 
@@ -198,8 +199,9 @@ class _BinStream:
             layout.stretch,
             self._statistics,
             self._held,
+            wants_front=self._wants_front,
         )
-        columns = np.column_stack([values[0], front])
-        if self._minimum is not None:
-            columns = self._minimum.push(block.stamps_ns, columns)
+        if self._minimum is None:
+            return values[0], front.astype(np.float64), nearest
+        columns = self._minimum.push(block.stamps_ns, np.column_stack([values[0], front]))
         return columns[:, :-1], columns[:, -1], nearest

@@ -6,7 +6,7 @@ gives the same values however it is cut.
 
 import numpy as np
 
-from mpap_cli.features.scans import _kernels
+from mpap_cli.features.scans.rows import _kernels
 from mpap_cli.observations import NS_PER_S, Float32Array, Float64Array, IntArray
 
 # Longer than any log, and still far from overflow when it is taken off a stamp.

@@ -19,7 +19,7 @@ from mpap_cli.logs.protobuf import PROTOBUF, boolean_fields
 from mpap_cli.logs.raw import LogReader, PayloadError, Topic
 from mpap_cli.params import BumperParams
 
-_NAME = re.compile(r"bump|collision|contact|hazard", re.IGNORECASE)
+BUMPER_NAME = re.compile(r"bump|collision|contact|hazard", re.IGNORECASE)
 _TYPE_SCORE, _NAME_SCORE, _HELD_SCORE = 10, 3, 1
 _BOOLEAN_FIELDS = ("pressed", "data")
 _BOOLEAN_IN_TEXT = re.compile(r"^\s*bool(?:ean)?\s+(pressed|data)\b", re.MULTILINE)
@@ -109,7 +109,7 @@ def find_bumps(reader: LogReader) -> BumpsFound:
 
 def _candidate(reader: LogReader, topic: Topic) -> BumpRole | None:
     """Tell what a topic would say of bumps, if it may be taken unasked."""
-    named = bool(_NAME.search(topic.name))
+    named = bool(BUMPER_NAME.search(topic.name))
     rule = _known_rule(topic)
     if not (named or rule) or why_unread(topic):
         return None
@@ -126,7 +126,7 @@ def _score(role: BumpRole) -> int:
     """Add up type, name and messages."""
     return (
         _TYPE_SCORE * (role.rule.msgtype in BUMPER_RULES)
-        + _NAME_SCORE * bool(_NAME.search(role.topic.name))
+        + _NAME_SCORE * bool(BUMPER_NAME.search(role.topic.name))
         + _HELD_SCORE * bool(role.topic.n_messages)
     )
 
@@ -219,7 +219,7 @@ def _notes(topics: tuple[Topic, ...], used: set[str]) -> tuple[str, ...]:
     notes = []
     for topic in topics:
         rule = _known_rule(topic)
-        if topic.name in used or not (_NAME.search(topic.name) or (rule and rule.opt_in)):
+        if topic.name in used or not (BUMPER_NAME.search(topic.name) or (rule and rule.opt_in)):
             continue
         if reason := why_unread(topic):
             notes.append(not_used(topic, reason))

@@ -113,7 +113,7 @@ def _field(value: Any, name: str, path: str) -> Any:
     if isinstance(value, Mapping):
         known = [str(key) for key in value]
     elif is_dataclass(value):
-        known = [item.name for item in fields(value)]
+        known = [item.name for item in fields(value) if item.name != "__msgtype__"]
     else:
         known = []
     if name not in known:

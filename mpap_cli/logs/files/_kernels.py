@@ -149,18 +149,6 @@ def _walk_bag(records: U8, wanted: I64, start: Int, found: I64) -> Walked:
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def _gather(records: U8, places: I64, rows: U8) -> None:
-    """Copy the bytes at each place into a row; as slices they go many at once."""
-    n_bytes = rows.shape[1]
-    for i in range(places.size):
-        row, content = rows[i], records[places[i] : places[i] + n_bytes]
-        if content.size != n_bytes:
-            raise ValueError
-        for k in range(n_bytes):
-            row[k] = content[k]
-
-
-@njit(nogil=True, cache=True, error_model="numpy")
 def _find_changes(records: U8, starts: I64, sizes: I64, skip: int, changes: BoolArray) -> None:
     """Tell which payloads differ from that before, their first ``skip`` bytes left aside."""
     for i in range(starts.size):
@@ -170,19 +158,6 @@ def _find_changes(records: U8, starts: I64, sizes: I64, skip: int, changes: Bool
             differs = records[starts[i] + k] != records[starts[i - 1] + k]
             k += 1
         changes[i] = differs
-
-
-@njit(nogil=True, cache=True, error_model="numpy")
-def _find_alike(records: U8, starts: I64, first: int, mask: U8, alike: BoolArray) -> None:
-    """Tell which heads equal the bytes at ``first`` wherever the mask is set."""
-    model = records[first : first + mask.size]
-    for i in range(starts.size):
-        if alike[i]:
-            difference = np.uint8(0)
-            head = records[starts[i] : starts[i] + mask.size]
-            for k in range(mask.size):
-                difference |= (head[k] ^ model[k]) & mask[k]
-            alike[i] = difference == 0
 
 
 def walk_mcap(records: bytes, wanted: I64, start: int = 0) -> tuple[I64, int, int]:
@@ -220,13 +195,6 @@ def _walk(
     return found[:, :n_found], int(stop), int(last)
 
 
-def gather(records: bytes, places: I64, n_bytes: int) -> U8:
-    """Return the ``n_bytes`` at each of n places as rows (n, n_bytes); ValueError past the end."""
-    rows = np.empty((places.size, n_bytes), np.uint8)
-    _gather(np.frombuffer(records, np.uint8), places, rows)
-    return rows
-
-
 def find_changes(records: bytes, starts: I64, sizes: I64, skip: int) -> BoolArray:
     """Tell which of n payloads differ from that before, (n,); the first does.
 
@@ -235,14 +203,3 @@ def find_changes(records: bytes, starts: I64, sizes: I64, skip: int) -> BoolArra
     changes = np.empty(starts.size, np.bool_)
     _find_changes(np.frombuffer(records, np.uint8), starts, sizes, skip, changes)
     return changes
-
-
-def find_alike(records: bytes, starts: I64, sizes: I64, least: int, mask: U8) -> BoolArray:
-    """Tell which of n payloads begin like the first, (n,).
-
-    Bytes count where the mask is not zero; ``least`` is the size that a payload must have,
-    not less than that of the mask.
-    """
-    alike = sizes >= least
-    _find_alike(np.frombuffer(records, np.uint8), starts, starts[0], mask, alike)
-    return alike

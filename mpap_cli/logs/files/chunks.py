@@ -5,13 +5,15 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
-from pathlib import Path
 from typing import BinaryIO, Protocol
 
 import numpy as np
 
+from mpap_cli.logs.files.broken_chunks import BrokenChunks, lost_in
 from mpap_cli.logs.files.runs import END_NS, cut_runs, in_turn, messages_in
-from mpap_cli.logs.raw import Damage, RawMessage, RawRun, Reading, RunGroup, Topic
+from mpap_cli.logs.raw import RawMessage, RawRun, Reading, RunGroup, Topic
+from mpap_cli.logs.remote.paths import LogPath
+from mpap_cli.logs.remote.range_stream import RangeStream
 from mpap_cli.observations import IntArray
 
 
@@ -89,6 +91,8 @@ class ChunkFormat(Protocol):
 
 def file_size(stream: BinaryIO) -> int:
     """Return the size of an open file in bytes."""
+    if isinstance(stream, RangeStream):
+        return stream.size
     return os.fstat(stream.fileno()).st_size
 
 
@@ -130,10 +134,11 @@ def in_time_order(
 def _runs_in(records: bytes, found: IntArray, topics: Sequence[Topic]) -> list[RawRun]:
     """Part messages by topic; ``topics`` says which topic each channel belongs to."""
     numbers = {topic: number for number, topic in enumerate(dict.fromkeys(topics))}
+    alone = len(numbers) == 1
     topic_of = np.array([numbers[topic] for topic in topics], dtype=np.int64)[found[0]]
     runs = []
     for topic, number in numbers.items():
-        columns = found[1:, topic_of == number]
+        columns = found[1:] if alone else found[1:, topic_of == number]
         if not columns.size:
             continue
         if (columns[0, 1:] < columns[0, :-1]).any():
@@ -146,20 +151,20 @@ def _runs_in(records: bytes, found: IntArray, topics: Sequence[Topic]) -> list[R
 class ChunkedFile:
     """One .bag or MCAP file with an index, its own or one made by reading it through."""
 
-    def __init__(self, path: Path, layout: ChunkFormat, index: Index, reading: Reading) -> None:
+    def __init__(self, path: LogPath, layout: ChunkFormat, index: Index, reading: Reading) -> None:
         self.path = path
         self.channels: Mapping[int, Topic] = index.channels
         self.ros_distro = ""
         self.n_messages = sum(topic.n_messages for topic in index.channels.values())
         self.start_ns = min((span.start_ns for span in index.spans), default=0)
         self.end_ns = max((span.end_ns for span in index.spans), default=0)
-        self._layout = layout
-        self._spans = index.spans
-        self._n_chunks = len({span.offset for span in index.spans} | index.broken.keys())
-        self._reading = reading
-        self._broken: set[int] = set()
+        self.layout = layout
+        self.spans = index.spans
+        n_chunks = len({span.offset for span in index.spans} | index.broken.keys())
+        self._kept: tuple[int, bytes, str] | None = None
+        self._broken = BrokenChunks(path.name, n_chunks, index.channels, reading)
         for offset, problem in index.broken.items():
-            self._note_broken(offset, problem)
+            self._broken.note(offset, problem, None)
 
     def messages(
         self, wanted: Mapping[int, Topic], start_ns: int | None, end_ns: int | None
@@ -183,7 +188,7 @@ class ChunkedFile:
         after = self.end_ns + 1 if end_ns is None else end_ns
         spans = [
             span
-            for span in self._spans
+            for span in self.spans
             if first <= span.end_ns
             and span.start_ns < after
             and (span.n_messages is None or not wanted.keys().isdisjoint(span.n_messages))
@@ -198,11 +203,13 @@ class ChunkedFile:
                 return _runs_in(records, found, topics)
 
             yield from in_time_order(spans, load)
+        if len(spans) > 1:
+            self._kept = None
 
     def _read_span(self, stream: BinaryIO, span: Span, wanted: IntArray) -> tuple[bytes, IntArray]:
         """Return the records of a span and its messages, as `ChunkFormat.walk` does."""
-        records, problem = self._layout.load(stream, span)
-        found, whole = self._layout.walk(records, wanted)
+        records, problem = self._load(stream, span)
+        found, whole = self.layout.walk(records, wanted)
         if not whole:
             problem = problem or "a record in it is broken"
         fits = (span.start_ns <= found[1]) & (found[1] <= span.end_ns)
@@ -214,17 +221,18 @@ class ChunkedFile:
             if found.shape[1] != n_messages:
                 problem = problem or "it does not hold the messages that the index says"
         if problem and not span.cut:
-            self._note_broken(span.offset, problem)
+            bounds = (span.start_ns, span.end_ns)
+            lost = lost_in(records, self.layout.walk, span.n_messages, *bounds)
+            self._broken.note(span.offset, problem, lost)
         return records, found
 
-    def _note_broken(self, offset: int, problem: str) -> None:
-        """Report a broken chunk once, however often the log is read."""
-        if offset in self._broken:
-            return
-        self._broken.add(offset)
-        n_broken, name = len(self._broken), self.path.name
-        text = (
-            f"{name}: {n_broken} of {self._n_chunks} chunks damaged and left out "
-            f"(at byte {offset:,}: {problem})"
-        )
-        self._reading.add_damage(Damage(name, "chunk", n_broken, text))
+    def _load(self, stream: BinaryIO, span: Span) -> tuple[bytes, str]:
+        """Return what `ChunkFormat.load` does.
+
+        One chunk stays until another is asked for: whoever looks a log over reads its first
+        messages only, one topic after the other.
+        """
+        if self._kept is None or self._kept[0] != span.offset:
+            self._kept = None
+            self._kept = (span.offset, *self.layout.load(stream, span))
+        return self._kept[1:]

@@ -2,14 +2,18 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from mpap_cli.errors import LogError
 from mpap_cli.logs.files import bag_records, mcap_records
 from mpap_cli.logs.files.compression import MAX_CHUNK_BYTES
+from mpap_cli.logs.files.databases.sqlite import UNFINISHED, open_sqlite
 from mpap_cli.logs.files.mcap import open_mcap
 from mpap_cli.logs.files.ros1 import open_bag
-from mpap_cli.logs.files.sqlite import open_sqlite
 from mpap_cli.logs.raw import Damage, LogFile, Reading
+from mpap_cli.logs.remote.copying import copy_beside, copy_whole
+from mpap_cli.logs.remote.paths import LogPath
+from mpap_cli.logs.remote.range_stream import NotInPlaceError
 
 LFS_MAGIC = b"version https://git-lfs"
 MAGICS: dict[str, bytes] = {
@@ -19,18 +23,19 @@ MAGICS: dict[str, bytes] = {
     "zstd": b"\x28\xb5\x2f\xfd",
 }
 
-READERS: dict[str, Callable[[Path, Reading], LogFile]] = {
+READERS: dict[str, Callable[[Any, Reading], LogFile]] = {
     "bag": open_bag,
     "mcap": open_mcap,
     "sqlite3": open_sqlite,
 }
 """How to open one file, by container."""
 
+_WHOLE_ONLY = {"sqlite3": "a database is not read by pieces", "zstd": "it is packed as a whole"}
 _PIECE_BYTES = 4096  # packed; so small that little comes out at once, whatever it is
 _MOST_UNPACKED = 1000  # times the packed size
 
 
-def container_of(path: Path) -> str:
+def container_of(path: LogPath) -> str:
     """Return the container of a file: bag, mcap, sqlite3 or zstd (a packed one of these).
 
     Raises
@@ -57,7 +62,7 @@ def container_of(path: Path) -> str:
     raise LogError(msg)
 
 
-def open_file(path: Path, reading: Reading) -> tuple[str, LogFile]:
+def open_file(path: LogPath, reading: Reading) -> tuple[str, LogFile]:
     """Open one file of a log, unpacking it first if it is packed as a whole.
 
     Returns
@@ -73,13 +78,36 @@ def open_file(path: Path, reading: Reading) -> tuple[str, LogFile]:
         If it cannot be read at all, or is damaged and read strictly.
     """
     kind = container_of(path)
-    if kind == "zstd":
-        path = _unpack(path, reading)
-        kind = container_of(path)
+    if kind in _WHOLE_ONLY or not (isinstance(path, Path) or path.facts.has_ranges):
+        path = on_this_machine(path, kind, reading)
+        if kind == "zstd":
+            path = _unpack(path, reading)
+            kind = container_of(path)
     if kind == "zstd":
         msg = f"{path.name}: packed twice; unpack it with 'zstd -d'"
         raise LogError(msg)
-    return kind, READERS[kind](path, reading)
+    try:
+        return kind, READERS[kind](path, reading)
+    except NotInPlaceError as err:
+        if isinstance(path, Path):
+            raise
+        return kind, READERS[kind](copy_whole(path, reading, str(err)), reading)
+
+
+def on_this_machine(path: LogPath, kind: str, reading: Reading) -> Path:
+    """Return a file of a container that is not read by pieces, or a copy of it.
+
+    Raises
+    ------
+    LogError
+        If it cannot be copied.
+    """
+    if isinstance(path, Path):
+        return path
+    copy = copy_whole(path, reading, _WHOLE_ONLY.get(kind, "the server gives whole files only"))
+    if kind == "sqlite3":
+        copy_beside(path, reading, UNFINISHED)
+    return copy
 
 
 def _unpack(path: Path, reading: Reading) -> Path:

@@ -7,15 +7,25 @@ from dataclasses import replace
 from functools import partial
 from itertools import chain, islice
 from operator import attrgetter
-from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from mpap_cli.errors import LogError
 from mpap_cli.logs.files.definitions_store import DefinitionsStore
+from mpap_cli.logs.files.overlapping import overlapping
 from mpap_cli.logs.files.ros2 import Folder
 from mpap_cli.logs.files.runs import END_NS, group_messages, merge_groups, messages_in
-from mpap_cli.logs.raw import Damage, LogFile, RawMessage, Reading, RunGroup, Topic
+from mpap_cli.logs.files.topic_bytes import bytes_by_topic
+from mpap_cli.logs.raw import (
+    Damage,
+    LogFile,
+    RawMessage,
+    Reading,
+    RunGroup,
+    Topic,
+    TopicKey,
+)
+from mpap_cli.logs.remote.paths import LogPath, RemotePath
 
 _CDR = b"\x00"
 _PIECE_BYTES, _MOST_PIECES = 1 << 18, 1 << 10  # larger than 256 MiB is no message
@@ -25,7 +35,7 @@ class LogStream:
     """One log of one file or several; a :class:`LogReader`."""
 
     def __init__(
-        self, path: Path, folder: Folder, reading: Reading, definitions: DefinitionsStore
+        self, path: LogPath, folder: Folder, reading: Reading, definitions: DefinitionsStore
     ) -> None:
         self.path = path
         self.container = folder.container
@@ -57,6 +67,8 @@ class LogStream:
         trace: TracebackType | None,
     ) -> None:
         self._reading.close()
+        if isinstance(self.path, RemotePath):
+            self.path.tell_traffic()
 
     def decode(self, message: RawMessage) -> object:
         """Return the fields of a message as attributes; of JSON and protobuf a mapping.
@@ -69,6 +81,10 @@ class LogStream:
             If its type has no definition, or its encoding is not read.
         """
         return self._definitions.decode(message)
+
+    def topic_bytes(self) -> Mapping[TopicKey, int] | None:
+        """Return how large the payloads of each topic are; None where no index tells."""
+        return bytes_by_topic(self._files)
 
     def undefined_types(self) -> tuple[str, ...]:
         """Return the types of messages for which no definition is at hand, sorted."""
@@ -100,7 +116,7 @@ class LogStream:
             If a file cannot be read any more; read strictly, at the first damage.
         """
         with self._foreign_errors_named():
-            for part in self._overlapping(start_ns, end_ns):
+            for part in overlapping(self._files, start_ns, end_ns):
                 streams = [
                     self._unpacked(file, self._wanted(file, topics), start_ns, end_ns)
                     for file in part
@@ -118,7 +134,7 @@ class LogStream:
     ) -> Iterator[RunGroup]:
         """Yield the same messages in runs; parameters and errors are those of `messages`."""
         with self._foreign_errors_named():
-            parts = list(self._overlapping(start_ns, end_ns))
+            parts = list(overlapping(self._files, start_ns, end_ns))
             ends_ns = [min(file.start_ns for file in part) for part in parts[1:]] + [END_NS]
             for part, end_of_part_ns in zip(parts, ends_ns, strict=False):
                 streams = [
@@ -144,22 +160,6 @@ class LogStream:
             for number, topic in file.channels.items()
             if topic.name in names
         }
-
-    def _overlapping(self, start_ns: int | None, end_ns: int | None) -> Iterator[list[LogFile]]:
-        """Yield the files of that time, those together that overlap, so that few are open."""
-        group: list[LogFile] = []
-        group_end = 0
-        for file in sorted(self._files, key=attrgetter("start_ns")):
-            late = end_ns is not None and file.start_ns >= end_ns
-            if late or not file.n_messages or (start_ns is not None and file.end_ns < start_ns):
-                continue
-            if group and file.start_ns > group_end:
-                yield group
-                group = []
-            group_end = max(file.end_ns, group_end) if group else file.end_ns
-            group.append(file)
-        if group:
-            yield group
 
     def _unpacked(
         self,

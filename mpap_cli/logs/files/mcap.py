@@ -3,7 +3,6 @@
 import struct
 import zlib
 from dataclasses import dataclass
-from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 from mcap.opcode import Opcode
@@ -17,6 +16,7 @@ from mpap_cli.logs.files.chunks import (
     make_index,
 )
 from mpap_cli.logs.files.compression import MAX_CHUNK_BYTES
+from mpap_cli.logs.files.mcap_distro import read_distro
 from mpap_cli.logs.files.mcap_records import (
     MAGIC,
     McapFormat,
@@ -28,6 +28,7 @@ from mpap_cli.logs.files.mcap_records import (
 from mpap_cli.logs.files.runs import MAX_STAMP_NS
 from mpap_cli.logs.files.salvage_formats import scan_mcap
 from mpap_cli.logs.raw import Damage, Reading, Topic
+from mpap_cli.logs.remote.paths import LogPath
 
 _FOOTER = struct.Struct("<BQQQI8s")
 _FOOTER_LENGTH = 20
@@ -52,14 +53,15 @@ class _Summary:
     channels: dict[int, Topic]
     n_messages: int | None
     index: Index | None
+    ros_distro: str = ""
 
 
-def open_mcap(path: Path, reading: Reading) -> ChunkedFile:
+def open_mcap(path: LogPath, reading: Reading) -> ChunkedFile:
     """Open an MCAP file of any profile, chunked or not.
 
     Parameters
     ----------
-    path : Path
+    path : Path or RemotePath
         File that begins with the magic of MCAP.
     reading : Reading
         Gets the damage.
@@ -97,13 +99,15 @@ def open_mcap(path: Path, reading: Reading) -> ChunkedFile:
             elif lost > 0:
                 text = f"{path.name}: {lost:,} messages left out, they cannot be found"
                 reading.add_damage(Damage(path.name, "message", lost, text))
-    return ChunkedFile(path, McapFormat(), index, reading)
+    file = ChunkedFile(path, McapFormat(), index, reading)
+    file.ros_distro = told.ros_distro
+    return file
 
 
 def _read_summary(stream: BinaryIO) -> _Summary:
     """Read what the file's summary says; without an index if it does not give all of it."""
-    summary = _summary_bytes(stream)
-    schemas, channels, spans = {}, {}, []
+    summary = summary_bytes(stream)
+    schemas, channels, spans, metadata = {}, {}, [], []
     statistics = None
     for opcode, begin, end in records_in(summary):
         content = summary[begin:end]
@@ -117,18 +121,29 @@ def _read_summary(stream: BinaryIO) -> _Summary:
             spans.append(_parse_chunk_index(content))
         elif opcode == Opcode.STATISTICS:
             statistics = _parse_statistics(content)
+        elif opcode == Opcode.METADATA_INDEX:
+            metadata.append(content)
     topics = describe_channels(channels, schemas)
+    # the types of the distribution are needed where a definition is not in the file
+    is_needed = any(not topic.definition for topic in topics.values())
+    distro = read_distro(stream, metadata) if is_needed else ""
     if statistics is None or not statistics.by_channel.keys() <= channels.keys():
-        return _Summary(topics, statistics and statistics.n_messages, None)
+        return _Summary(topics, statistics and statistics.n_messages, None, distro)
     # Messages may stand outside chunks, and chunks need not have message indexes.
     if sum(sum((span.n_messages or {}).values()) for span in spans) != statistics.n_messages:
-        return _Summary(topics, statistics.n_messages, None)
+        return _Summary(topics, statistics.n_messages, None, distro)
     index = make_index(topics, spans, statistics.by_channel)
-    return _Summary(topics, statistics.n_messages, index)
+    return _Summary(topics, statistics.n_messages, index, distro)
 
 
-def _summary_bytes(stream: BinaryIO) -> bytes:
-    """Return the records of the summary, checked; empty where there is none."""
+def summary_bytes(stream: BinaryIO) -> bytes:
+    """Return the records of the summary, checked; empty where there is none.
+
+    Raises
+    ------
+    BrokenRecordError
+        If the file does not end as it should, or the summary is not what it was.
+    """
     size = file_size(stream)
     stream.seek(max(0, size - _FOOTER.size))
     tail = stream.read(_FOOTER.size)

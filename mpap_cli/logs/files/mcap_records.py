@@ -197,3 +197,14 @@ def _read_chunk_head(stream: BinaryIO) -> tuple[str, int, int, int]:
         msg = "its head is broken"
         raise BrokenRecordError(msg)
     return rest[:n_name].decode(errors="replace"), size, checksum, packed_size
+
+
+def chunk_compression(stream: BinaryIO) -> str:
+    """Return the compression of the chunk that begins here, empty for none.
+
+    Raises
+    ------
+    BrokenRecordError
+        If no chunk begins here.
+    """
+    return _read_chunk_head(stream)[0]

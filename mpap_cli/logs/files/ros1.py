@@ -1,7 +1,6 @@
 """ROS 1 bags: opened by their index, or read through where that is missing."""
 
 import struct
-from pathlib import Path
 from typing import BinaryIO
 
 from mpap_cli.errors import LogError
@@ -33,18 +32,21 @@ from mpap_cli.logs.files.chunks import (
 from mpap_cli.logs.files.salvage import Scanned
 from mpap_cli.logs.files.salvage_formats import scan_bag
 from mpap_cli.logs.raw import Damage, Reading
+from mpap_cli.logs.remote.paths import LogPath
+from mpap_cli.logs.remote.range_stream import RangeStream
 
 _U64 = struct.Struct("<Q")
 _COUNT = struct.Struct("<II")
 _LOOKED_AT = 1000  # chunks, which takes some milliseconds
+_LOOKED_AT_FAR = 4  # each takes a request
 
 
-def open_bag(path: Path, reading: Reading) -> ChunkedFile:
+def open_bag(path: LogPath, reading: Reading) -> ChunkedFile:
     """Open a .bag file.
 
     Parameters
     ----------
-    path : Path
+    path : Path or RemotePath
         File that begins with the magic of bags.
     reading : Reading
         Gets the damage.
@@ -93,7 +95,7 @@ def _read_index(stream: BinaryIO, header: Fields) -> Index:
     records = (read_record(stream, CONNECTION) for _ in range(n_connections))
     channels = dict(parse_connection(fields, content) for fields, content in records)
     spans = [_read_chunk_info(*read_record(stream, CHUNK_INFO)) for _ in range(n_chunks)]
-    for span in spans[:_LOOKED_AT]:
+    for span in spans[: _LOOKED_AT_FAR if isinstance(stream, RangeStream) else _LOOKED_AT]:
         _require_chunk(stream, span)
     return make_index(channels, spans)
 

@@ -6,9 +6,10 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from mpap_cli.errors import LogError
-from mpap_cli.logs.files.containers import container_of, open_file
-from mpap_cli.logs.files.sqlite import open_sqlite
+from mpap_cli.logs.files.containers import container_of, on_this_machine, open_file
+from mpap_cli.logs.files.databases.sqlite import open_sqlite
 from mpap_cli.logs.raw import Damage, LogFile, Reading, ros2_name
+from mpap_cli.logs.remote.paths import LogPath, first_bytes
 
 METADATA = "metadata.yaml"
 _MAX_METADATA_BYTES = 1 << 26
@@ -33,12 +34,12 @@ class Folder:
     ros_distro: str
 
 
-def storage_files(folder: Path) -> tuple[list[Path], str]:
+def storage_files(folder: LogPath) -> tuple[list[LogPath], str]:
     """Find the files of a rosbag2 folder that hold messages.
 
     Returns
     -------
-    list of Path
+    list of Path or RemotePath
         What metadata.yaml names, where all of it is there; else every storage file.
     str
         What is wrong with metadata.yaml; empty if nothing is.
@@ -70,12 +71,12 @@ def storage_files(folder: Path) -> tuple[list[Path], str]:
     return found, problem
 
 
-def _suffix(path: Path) -> str:
+def _suffix(path: LogPath) -> str:
     """Return .db3 or .mcap, also of a packed file; other names as they end."""
     return Path(path.stem).suffix if path.suffix == ".zstd" else path.suffix
 
 
-def _is_storage(path: Path) -> bool:
+def _is_storage(path: LogPath) -> bool:
     """Tell whether a file looks like one that rosbag2 wrote, even if it is empty."""
     if not path.is_file():
         return False
@@ -87,7 +88,7 @@ def _is_storage(path: Path) -> bool:
         return False
 
 
-def read_metadata(folder: Path) -> tuple[Metadata, str]:
+def read_metadata(folder: LogPath) -> tuple[Metadata, str]:
     """Read metadata.yaml.
 
     Returns
@@ -97,23 +98,43 @@ def read_metadata(folder: Path) -> tuple[Metadata, str]:
     str
         What is wrong with it; empty if nothing is.
     """
+    parsed, problem = load_metadata(folder)
+    if problem:
+        return Metadata(), problem
+    try:
+        return _parse_metadata(parsed), ""
+    except (LookupError, TypeError, ValueError, AttributeError):
+        return Metadata(), f"{METADATA} cannot be understood"
+
+
+def load_metadata(folder: LogPath) -> tuple[dict[str, Any], str]:
+    """Load metadata.yaml as it stands.
+
+    Returns
+    -------
+    dict
+        Empty where there is no such file, or none that can be understood.
+    str
+        What is wrong with it; empty if nothing is.
+    """
     path = folder / METADATA
     try:
-        if path.stat().st_size > _MAX_METADATA_BYTES:
-            return Metadata(), f"{METADATA} is too large"
-        text = path.read_text(encoding="utf-8")
+        content = first_bytes(path, _MAX_METADATA_BYTES + 1)
+        if len(content) > _MAX_METADATA_BYTES:
+            return {}, f"{METADATA} is too large"
+        text = content.decode()
     except FileNotFoundError:
-        return Metadata(), f"{METADATA} is missing"
+        return {}, f"{METADATA} is missing"
     except (OSError, UnicodeDecodeError) as err:
-        return Metadata(), f"{METADATA} cannot be read ({err})"
+        return {}, f"{METADATA} cannot be read ({err})"
     from ruamel.yaml import YAML  # noqa: PLC0415  # only folders need it
     from ruamel.yaml.error import YAMLError  # noqa: PLC0415
 
     try:
         parsed = YAML(typ="safe", pure=True).load(text)["rosbag2_bagfile_information"]
-        return _parse_metadata(parsed), ""
     except (YAMLError, LookupError, TypeError, ValueError, AttributeError, RecursionError):
-        return Metadata(), f"{METADATA} cannot be understood"
+        parsed = None
+    return (parsed, "") if isinstance(parsed, dict) else ({}, f"{METADATA} cannot be understood")
 
 
 def _parse_metadata(parsed: Any) -> Metadata:
@@ -127,12 +148,12 @@ def _parse_metadata(parsed: Any) -> Metadata:
     return Metadata(files, counts, str(parsed.get("ros_distro") or ""))
 
 
-def open_folder(folder: Path, reading: Reading) -> Folder:
+def open_folder(folder: LogPath, reading: Reading) -> Folder:
     """Open every file of a rosbag2 folder.
 
     Parameters
     ----------
-    folder : Path
+    folder : Path or RemotePath
         Folder with or without a metadata.yaml.
     reading : Reading
         Gets damage and warnings.
@@ -176,7 +197,7 @@ def open_folder(folder: Path, reading: Reading) -> Folder:
 
 
 def _open_uncounted(
-    paths: list[Path], metadata: Metadata, reading: Reading
+    paths: list[LogPath], metadata: Metadata, reading: Reading
 ) -> tuple[LogFile, ...] | None:
     """Open databases without counting messages by topic, if metadata.yaml counts all of them."""
     if not metadata.counts or [path.name for path in paths] != list(metadata.files):
@@ -184,7 +205,10 @@ def _open_uncounted(
     try:
         if any(container_of(path) != "sqlite3" for path in paths):
             return None
-        files = tuple(open_sqlite(path, reading, count=False) for path in paths)
+        files = tuple(
+            open_sqlite(on_this_machine(path, "sqlite3", reading), reading, count=False)
+            for path in paths
+        )
     except LogError:
         return None
     return files if sum(f.n_messages for f in files) == sum(metadata.counts.values()) else None

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import BinaryIO, NamedTuple
 
@@ -19,6 +19,7 @@ from mpap_cli.logs.files.chunks import (
 from mpap_cli.logs.files.resync import CHAIN, find_in_file
 from mpap_cli.logs.files.runs import MAX_STAMP_NS
 from mpap_cli.logs.raw import Topic
+from mpap_cli.logs.remote.range_stream import NotInPlaceError, RangeStream
 from mpap_cli.observations import IntArray
 
 RUN_BYTES = 1 << 20
@@ -57,13 +58,15 @@ class Scanned(NamedTuple):
 class Piece(NamedTuple):
     """One record of a file: chunk, loose, other, broken, or end; ``end`` may lie behind the file.
 
-    ``sure`` tells if its size stands there twice and fits.
+    ``sure`` tells if its size stands there twice and fits; ``told`` is what the records behind
+    a chunk say of it, which then belong to it, None if they are not all there or do not agree.
     """
 
     kind: str
     offset: int
     end: int
     sure: bool = False
+    told: Span | None = None
 
 
 class FileFormat(NamedTuple):
@@ -71,8 +74,8 @@ class FileFormat(NamedTuple):
 
     ``first`` is where they begin, ``start`` matches wherever one might; ``piece_at`` returns
     the record that begins at a place, None if none does; ``describe`` takes in a record that
-    is no message, of a kind at a place in unpacked records; ``channels`` returns the topics
-    that were described.
+    is no message, of a kind at a place in unpacked records, and ``described`` has every channel
+    so far; ``channels`` returns the topics of these.
     """
 
     layout: ChunkFormat
@@ -80,6 +83,7 @@ class FileFormat(NamedTuple):
     start: re.Pattern[bytes]
     piece_at: Callable[[BinaryIO, int], Piece | None]
     describe: Callable[[int, bytes, int], None]
+    described: Mapping[int, object]
     channels: Callable[[], dict[int, Topic]]
 
 
@@ -103,29 +107,34 @@ class _Tally:
             made = Span(span.offset, first, last, counts, span.loose_bytes, span.cut)
             self.spans.append(made)
 
-    def spans_of(self, pieces: Iterator[Piece], file_size: int) -> Iterator[Span]:
-        """Join records outside chunks into runs; chunks stay alone."""
+    def spans_of(
+        self, pieces: Iterator[Piece], file_size: int
+    ) -> Iterator[tuple[Span, Span | None]]:
+        """Join records outside chunks into runs; chunks stay alone, with what is told of them."""
         begin = end = 0
         for piece in pieces:
             cut = piece.end > file_size
             joins = piece.kind == "loose" and not cut
             if begin < end and not (joins and piece.offset == end and end - begin < RUN_BYTES):
-                yield Span(begin, 0, 0, None, end - begin)
+                yield Span(begin, 0, 0, None, end - begin), None
                 begin = end
             if joins:
                 begin, end = (begin if begin < end else piece.offset), piece.end
             elif piece.kind == "chunk":
-                yield Span(piece.offset, 0, 0, None, cut=cut)
+                yield Span(piece.offset, 0, 0, None, cut=cut), piece.told
             elif piece.kind == "broken":
                 self.gaps.append(piece.offset)
             self.whole = piece.kind == "end"
             self.stop = piece.offset if cut else piece.end
         if begin < end:
-            yield Span(begin, 0, 0, None, end - begin)
+            yield Span(begin, 0, 0, None, end - begin), None
 
 
 def scan(stream: BinaryIO, form: FileFormat) -> Scanned:
-    """Read a file through and make the index that it lacks.
+    """Go through a file and make the index that it lacks.
+
+    Of a chunk that is followed by an index of its own, what that says is taken; the chunk is
+    unpacked when it is read, not before, and seen to be broken then.
 
     Parameters
     ----------
@@ -133,9 +142,20 @@ def scan(stream: BinaryIO, form: FileFormat) -> Scanned:
         The file.
     form : FileFormat
         Of its container.
+
+    Raises
+    ------
+    NotInPlaceError
+        If the file is fetched piece by piece.
     """
+    if isinstance(stream, RangeStream):
+        msg = "it has no index, or a broken one"
+        raise NotInPlaceError(msg)
     tally = _Tally()
-    for span in tally.spans_of(_pieces(stream, form), file_size(stream)):
+    for span, told in tally.spans_of(_pieces(stream, form), file_size(stream)):
+        if told is not None and (told.n_messages or {}).keys() <= form.described.keys():
+            tally.spans.append(told)
+            continue
         records, problem = form.layout.load(stream, span)
         found, whole = form.layout.walk(records, _EVERY)
         if not whole:

@@ -6,6 +6,7 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
 from mpap_cli.logs.files import bag_records, mcap_records
+from mpap_cli.logs.files.chunk_indexes import read_bag_index, read_mcap_index
 from mpap_cli.logs.files.chunks import BrokenRecordError, file_size
 from mpap_cli.logs.files.salvage import FileFormat, Piece, Scanned, scan
 from mpap_cli.logs.raw import Topic
@@ -40,6 +41,7 @@ def scan_bag(stream: BinaryIO) -> Scanned:
             bag_records.RECORD_START,
             _bag_piece,
             describe,
+            connections,
             lambda: connections,
         ),
     )
@@ -57,8 +59,12 @@ def _bag_piece(stream: BinaryIO, offset: int) -> Piece | None:
     kind = _BAG_KINDS.get(bag_records.opcode_of(fields))
     if kind is None or (kind == "chunk" and not bag_records.is_chunk(fields, size)):
         return None
+    end = stream.tell() + size
+    index = read_bag_index(stream, offset) if kind == "chunk" else None
+    if index is not None:
+        return Piece(kind, offset, index.end, sure=True, told=index.span)
     is_plain = kind == "chunk" and fields.get(b"compression") == b"none"
-    return Piece(kind, offset, stream.tell() + size, sure=is_plain)
+    return Piece(kind, offset, end, sure=is_plain)
 
 
 def scan_mcap(stream: BinaryIO) -> Scanned:
@@ -84,6 +90,7 @@ def scan_mcap(stream: BinaryIO) -> Scanned:
             mcap_records.RECORD_START,
             _mcap_piece,
             describe,
+            channels,
             lambda: mcap_records.describe_channels(channels, schemas),
         ),
     )
@@ -100,8 +107,7 @@ def _mcap_piece(stream: BinaryIO, offset: int) -> Piece | None:
     if opcode in _MCAP_END_SIZES:
         return Piece("end", offset, offset) if size == _MCAP_END_SIZES[opcode] else None
     if opcode == Opcode.CHUNK:
-        stream.seek(offset)
-        return Piece("chunk", offset, end, sure=True) if mcap_records.is_chunk(stream) else None
+        return _mcap_chunk(stream, offset, end)
     if opcode == Opcode.MESSAGE and size < mcap_records.MESSAGE_HEAD_BYTES:
         return None
     if not 0 < opcode <= _MCAP_LAST_KIND:
@@ -111,3 +117,14 @@ def _mcap_piece(stream: BinaryIO, offset: int) -> Piece | None:
         if opcode < _MCAP_PRIVATE or not b"\0" < following <= bytes([_MCAP_LAST_KIND]):
             return None
     return Piece("loose" if opcode in mcap_records.LOOSE else "other", offset, end)
+
+
+def _mcap_chunk(stream: BinaryIO, offset: int, end: int) -> Piece | None:
+    """Return the chunk that begins at a place; None if none does."""
+    stream.seek(offset)
+    if not mcap_records.is_chunk(stream):
+        return None
+    index = read_mcap_index(stream, offset)
+    if index is None:
+        return Piece("chunk", offset, end, sure=True)
+    return Piece("chunk", offset, index.end, sure=True, told=index.span)

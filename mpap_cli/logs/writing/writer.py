@@ -1,8 +1,6 @@
 """Writing logs: one interface for every container that the readers know."""
 
-import shutil
 import sqlite3
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,6 +8,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from mpap_cli.errors import OutputError, SettingError
+from mpap_cli.logs.scratch import ScratchFolder
 from mpap_cli.logs.writing.storages import CONTAINERS, ENCODERS, STORAGES, Storage
 
 
@@ -71,7 +70,7 @@ class LogWriter:
         self.path = path
         self.container = container
         self.compression = check_container(container, compression)
-        self._aside: Path | None = None
+        self._aside: ScratchFolder | None = None
         self._storage: Storage | None = None
         self._encoder = ENCODERS[container]()
         self._topics: dict[str, tuple[str, int]] = {}
@@ -132,8 +131,8 @@ class LogWriter:
             raise OutputError(msg)
         try:
             with self._writing():
-                self._aside = Path(tempfile.mkdtemp(prefix=".mpap-", dir=self.path.parent))
-                aside = self._aside / self.path.name
+                self._aside = ScratchFolder(".mpap-", self.path.parent)
+                aside = self._aside.path / self.path.name
                 self._storage = STORAGES[self.container](aside, self.container, self.compression)
         except BaseException:
             self._remove_aside()
@@ -152,7 +151,7 @@ class LogWriter:
                 with self._writing():
                     storage.close(whole=kind is None)
                     if kind is None:
-                        (self._aside / self.path.name).rename(self.path)
+                        (self._aside.path / self.path.name).rename(self.path)
         finally:
             self._remove_aside()
 
@@ -168,5 +167,5 @@ class LogWriter:
 
     def _remove_aside(self) -> None:
         if self._aside is not None:
-            shutil.rmtree(self._aside, ignore_errors=True)
+            self._aside.remove()
             self._aside = None

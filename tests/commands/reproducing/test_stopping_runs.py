@@ -6,7 +6,7 @@ from mpap_cli.commands.predicting.images import PredictedImages
 from mpap_cli.commands.reproducing.decided_images import Decided, choose_decided
 from mpap_cli.commands.reproducing.stopping_runs import Judged
 from mpap_cli.evaluation.stopping import Stops, summarize_stops
-from mpap_cli.outputs.canvas import probability_colour
+from mpap_cli.outputs.canvas import probability_color
 from tests.commands.reproducing.camera_benches import (
     A,
     B,
@@ -41,7 +41,7 @@ def test_another_environment_is_unknown(tried: Tried) -> None:
     assert files(bench) == ["figure-06.png", "figure-12.png"]
     sheet = picture(bench, "figure-06.png")
     assert share_of(sheet, GREEN) > 0.001
-    assert share_of(sheet, probability_colour(1.0)) > 0.001
+    assert share_of(sheet, probability_color(1.0)) > 0.001
 
 
 def test_only_the_pictures(tried: Tried) -> None:

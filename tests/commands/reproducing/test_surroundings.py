@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from mpap_cli.commands.reproducing.surroundings import progress_of
-from mpap_cli.outputs.canvas import probability_colour
+from mpap_cli.outputs.canvas import probability_color
 from tests.commands.reproducing.camera_benches import (
     A,
     B,
@@ -53,7 +53,7 @@ def test_clusters_of_both_places_are_drawn(tried: Tried) -> None:
     half = exemplars.shape[1] // 2
     for side in (exemplars[:, :half], exemplars[:, half:]):
         assert share_of(side, (255, 255, 255)) < 0.9
-    assert share_of(members, probability_colour(1.0), tolerance=40) > 0.001
+    assert share_of(members, probability_color(1.0), tolerance=40) > 0.001
     assert bench.found.rows == []
 
 

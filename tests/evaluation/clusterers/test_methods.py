@@ -163,7 +163,7 @@ def test_points_in_the_plane_are_clustered_at_euclidean_distances() -> None:
     rng = np.random.default_rng(0)
     classes = rng.integers(0, 2, 400)
     features = (rng.normal(size=(400, 2)) + 10.0 * classes[:, None]).astype(np.float32)
-    points = LabelledPoints(features=features, classes=classes, normalised=False)
+    points = LabelledPoints(features=features, classes=classes, normalized=False)
     settings = ClustererSettings(meta_point=MetaPointParams(theta=0.7, min_points=5))
 
     result = CLUSTERERS["mpap", "default"].run(points, settings, 0)

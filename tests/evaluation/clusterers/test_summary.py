@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from mpap_cli.evaluation.clusterers.scores import ClusteringRow
-from mpap_cli.evaluation.clusterers.summary import findings, summarise
+from mpap_cli.evaluation.clusterers.summary import findings, summarize
 
 
 def row(method: str, variant: str, v: float, seconds: float = 1.0, seed: int = 0) -> ClusteringRow:
@@ -34,12 +34,12 @@ AP = [row("ap", "default", 0.83), row("ap", "median", 0.6)]
 
 def said(*rows: ClusteringRow, n_classes: int = 6) -> str:
     """Return what stands out."""
-    return "\n".join(findings(summarise([*MPAP, *AP, *rows]), n_classes))
+    return "\n".join(findings(summarize([*MPAP, *AP, *rows]), n_classes))
 
 
 def test_runs_become_means_and_a_spread() -> None:
     """Two runs of 0.80 and 0.84 are 0.82 with a deviation of 0.02."""
-    mpap = summarise([*MPAP, *AP])[0]
+    mpap = summarize([*MPAP, *AP])[0]
 
     assert (mpap.method, mpap.runs, mpap.clustered_points) == ("mpap", 2, 50)
     assert mpap.v_measure == pytest.approx(0.82)
@@ -59,7 +59,7 @@ def test_a_difference_within_the_spread_is_level() -> None:
 @pytest.mark.parametrize(("v", "word"), [(0.7, "0.12 above"), (0.9, "0.08 below")])
 def test_a_greater_difference_is_told(v: float, word: str) -> None:
     """Above and below are said where the spread does not explain them."""
-    rows = summarise([*MPAP, row("ap", "default", v)])
+    rows = summarize([*MPAP, row("ap", "default", v)])
 
     text = "\n".join(findings(rows, 6))
 
@@ -91,7 +91,7 @@ def test_peers_above_mpap_are_named() -> None:
 
 def test_with_one_class_nothing_is_compared() -> None:
     """One class: the scores mean nothing, and that is what is said."""
-    rows = summarise([row("mpap", "default", math.nan), row("ap", "default", math.nan)])
+    rows = summarize([row("mpap", "default", math.nan), row("ap", "default", math.nan)])
 
     text = findings(rows, 1)
 
@@ -107,13 +107,13 @@ def test_with_one_class_nothing_is_compared() -> None:
         (60, 0.3, "cluster-points cover 30 % of the points"),
     ],
 )
-def test_points_that_mpap_hardly_summarises_are_told(
+def test_points_that_mpap_hardly_summarizes_are_told(
     cluster_points: int, coverage: float, expected: str
 ) -> None:
     """Fewer than twenty cluster-points, or less than half of the points covered."""
     few = replace(row("mpap", "default", 0.4), clustered_points=cluster_points, coverage=coverage)
 
-    text = findings(summarise([few]), 2)
+    text = findings(summarize([few]), 2)
 
     assert len(text) == 1
     assert text[0].startswith(expected)
@@ -121,4 +121,4 @@ def test_points_that_mpap_hardly_summarises_are_told(
 
 def test_without_mpap_nothing_is_compared() -> None:
     """What stands out is told of mpap."""
-    assert findings(summarise(AP), 6) == []
+    assert findings(summarize(AP), 6) == []

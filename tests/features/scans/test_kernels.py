@@ -134,6 +134,26 @@ def test_only_what_is_asked_is_written() -> None:
     np.testing.assert_array_equal(np.concatenate(alone), together)
 
 
+def test_front_is_the_cap_where_it_is_not_wanted() -> None:
+    """All else is the same without it."""
+    ranges = np.random.default_rng(0).uniform(0, 9, (40, 30)).astype(np.float32)
+    limits = np.array(LIMITS["capped"], np.float32)
+    runs, stretch = np.array([[0, 15], [15, 30], [3, 30]]), np.ones(30, np.float32)
+    made = [
+        _kernels.bin_block(
+            ranges, limits, runs, stretch, STATISTICS, np.full((6, 2), np.nan), wants_front=wanted
+        )
+        for wanted in (True, False)
+    ]
+
+    (values, nearest, front), (others, other_nearest, none) = made
+
+    np.testing.assert_array_equal(others, values)
+    np.testing.assert_array_equal(other_nearest, nearest)
+    assert front.min() < 5.0
+    assert set(none.tolist()) == {5.0}
+
+
 @pytest.mark.parametrize("kind", LIMITS)
 def test_cleaning_alone_equals_the_loop(kind: str) -> None:
     """Every kind of beam is cleaned as the loop does it."""
@@ -144,26 +164,6 @@ def test_cleaning_alone_equals_the_loop(kind: str) -> None:
 
     beams = [[clean_beam(float(r), limits) for r in scan] for scan in ranges]
     np.testing.assert_array_equal(cleaned, np.array(beams))
-
-
-@given(
-    gaps=st.lists(st.integers(0, 5), max_size=30),
-    window=st.integers(0, 12),
-    n_before=st.integers(0, 5),
-)
-def test_window_minimum_equals_the_search_of_every_window(
-    gaps: list[int], window: int, n_before: int
-) -> None:
-    """The queue finds what a search over all rows of each window finds."""
-    stamps = np.cumsum(np.array(gaps, np.int64))
-    n_before = min(n_before, len(gaps))
-    values = np.random.default_rng(len(gaps)).integers(0, 9, (len(gaps), 3)).astype(np.float64)
-
-    minima = _kernels.window_minimum(stamps, values, n_before, window)
-
-    for i in range(n_before, len(gaps)):
-        inside = (stamps >= stamps[i] - window) & (np.arange(len(gaps)) <= i)
-        np.testing.assert_array_equal(minima[i - n_before], values[inside].min(axis=0))
 
 
 def run_bins(
@@ -180,11 +180,9 @@ def test_bodies_run_as_plain_python(monkeypatch: pytest.MonkeyPatch) -> None:
     ranges = np.array([[0.5, math.inf, 0.0, 3.0], [math.nan, 9.0, -1.0, 0.01]] * 9, np.float32)
     limits = np.array(LIMITS["drop"], np.float32)
     runs = np.array([[3, 5], [1, 3], [0, 0], [0, 4]])
-    stamps, rows = np.arange(4), np.array([[3.0], [1.0], [2.0], [4.0]])
     asked = (STATISTICS, STATISTICS[:1], STATISTICS[2:3])
     compiled = [run_bins(ranges, limits, runs, statistics) for statistics in asked]
     cleaned = _kernels.clean_block(ranges, limits)
-    minima = _kernels.window_minimum(stamps, rows, 1, 1)
     for name in dir(_kernels):
         kernel = getattr(_kernels, name)
         if hasattr(kernel, "py_func"):
@@ -196,4 +194,3 @@ def test_bodies_run_as_plain_python(monkeypatch: pytest.MonkeyPatch) -> None:
     for i in range(len(asked)):
         np.testing.assert_array_equal(plain[i], compiled[i])
     np.testing.assert_array_equal(_kernels.clean_block(ranges, limits), cleaned)
-    np.testing.assert_array_equal(_kernels.window_minimum(stamps, rows, 1, 1), minima)

@@ -37,7 +37,7 @@ def test_ignored_names_are_a_setting(decode_bumps: DecodeBumps) -> None:
 def test_ignored_names_must_be_a_pattern(decode_bumps: DecodeBumps) -> None:
     """A pattern that does not parse is an error of the setting."""
     with pytest.raises(SettingError, match="setting bump-ignore"):
-        decode_bumps("gazebo_msgs/msg/ContactsState", [{}], params=BumperParams(bump_ignore="("))
+        decode_bumps("gazebo_msgs/msg/ContactsState", [{}], params=BumperParams(bump_ignore="["))
 
 
 def test_a_level_stream_is_decoded_once_per_state(

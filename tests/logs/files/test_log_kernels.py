@@ -1,4 +1,4 @@
-"""Walks over records, and comparisons of payloads, against plain loops in Python."""
+"""Walks over records, and changes of payloads, against plain loops in Python."""
 
 import struct
 from collections.abc import Callable, Mapping, Sequence
@@ -198,35 +198,16 @@ def test_walks_as_python(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("compiled", [True, False])
 @given(texts=st.lists(st.binary(min_size=4, max_size=7), min_size=1), skip=st.integers(0, 4))
 def test_comparisons_are_those_of_bytes(compiled: bool, texts: list[bytes], skip: int) -> None:
-    """Payloads are compared with that before, and their heads with the first under a mask."""
+    """Payloads are compared with that before."""
     records = b"".join(texts)
     sizes = np.array([len(text) for text in texts])
     starts = np.cumsum(sizes) - sizes
-    mask = np.array([255, 0, 0, 255][: 4 - skip % 2], dtype=np.uint8)
     with pytest.MonkeyPatch.context() as patch:
-        for name in () if compiled else ("_gather", "_find_changes", "_find_alike"):
-            patch.setattr(kernels, name, getattr(kernels, name).py_func)
+        if not compiled:
+            patch.setattr(kernels, "_find_changes", kernels._find_changes.py_func)
 
         changes = kernels.find_changes(records, starts, sizes, skip)
-        alike = kernels.find_alike(records, starts, sizes, 5, mask)
-        rows = kernels.gather(records, starts, 4)
 
     assert changes.tolist() == [True] + [
         len(one) != len(other) or one[skip:] != other[skip:] for one, other in pairwise(texts)
     ]
-    first = texts[0]
-    assert alike.tolist() == [
-        len(text) >= 5 and text[0] == first[0] and (skip % 2 == 1 or text[3] == first[3])
-        for text in texts
-    ]
-    assert [bytes(row) for row in rows] == [text[:4] for text in texts]
-
-
-@pytest.mark.parametrize("compiled", [True, False])
-def test_rows_end_where_the_bytes_end(monkeypatch: pytest.MonkeyPatch, compiled: bool) -> None:
-    """Nothing behind the bytes at hand is ever copied."""
-    if not compiled:
-        monkeypatch.setattr(kernels, "_gather", kernels._gather.py_func)
-
-    with pytest.raises(ValueError):  # noqa: PT011  # a kernel has no words
-        kernels.gather(b"12345678", np.array([0, 3]), 6)

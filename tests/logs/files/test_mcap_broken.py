@@ -115,7 +115,7 @@ def test_broken_summary_is_made_anew(write_log: WriteLog) -> None:
 
 
 def test_broken_chunk_of_a_file_without_index(write_log: WriteLog) -> None:
-    """It is reported when the file is opened."""
+    """It is unpacked when it is read, and reported then, with what is lost."""
     path = write_log("mcap-none", ROWS)
     second, length = chunk_offsets(path)[1]
     change(path, second + length - 20, b"\xff\xfe\xfd")
@@ -124,7 +124,9 @@ def test_broken_chunk_of_a_file_without_index(write_log: WriteLog) -> None:
     with open_log(path) as reader:
         found = stamps(reader)
 
-    assert len(found) == reader.n_messages < len(ROWS)
+    assert 0 < len(found) < len(ROWS) == reader.n_messages
+    assert sum(reader.damage[1].lost.values()) == len(ROWS) - len(found)
+    assert f"{len(ROWS) - len(found)} messages lost" in reader.damage[1].text
     assert [damage.kind for damage in reader.damage] == ["index", "chunk"]
 
 

@@ -40,6 +40,10 @@ def test_broken_chunk_is_left_out_and_counted(write_log: WriteLog, kind: str) ->
     assert 0 < len(found) < len(ROWS) == reader.n_messages
     assert [(damage.kind, damage.count) for damage in reader.damage] == [("chunk", 1)]
     assert f"{kind[4:]} cannot unpack it" in reader.damage[0].text
+    n_lost = len(ROWS) - len(found)
+    assert f"left out, {n_lost} messages lost" in reader.damage[0].text
+    assert sum(reader.damage[0].lost.values()) == n_lost
+    assert set(reader.damage[0].lost) <= {(topic.name, topic.msgtype) for topic in reader.topics}
     with open_log(path, strict=True) as reader, pytest.raises(LogError, match="left out"):
         stamps(reader)
 

@@ -1,6 +1,5 @@
-"""Rows out of the pages of a broken rosbag2 database, whatever became of its trees.
+"""Rows out of the pages of a database, cell by cell: what the kernels must find.
 
-The tree that leads to the rows may hang on a page that is lost, so every page is looked at:
 https://www.sqlite.org/fileformat2.html, sections 1.6 and 2.1.
 """
 
@@ -9,20 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
-from mpap_cli.logs.files.chunks import BrokenRecordError, file_size
-
 Row = tuple[int, int, int, bytes]
-TopicRow = tuple[int, str, str, str]
 
-HEADER_BYTES = 100
 _LEAF = 0x0D
 _LEAF_HEADER_BYTES = 8
-_LARGEST_PAGE = 65_536
-_SMALLEST_PAGE = 512
 _INTEGER_BYTES = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 8: 0, 9: 0}
 _FIRST_BLOB = 12
 _LONGEST_VARINT = 9
-_TOPIC_TEXTS = 4
 _U16 = struct.Struct(">H")
 _U32 = struct.Struct(">I")
 
@@ -35,62 +27,17 @@ class Pages(NamedTuple):
     number: int
 
 
-def read_sizes(stream: BinaryIO) -> Pages:
-    """Read the sizes from the header of a database.
-
-    Raises
-    ------
-    BrokenRecordError
-        If there is no whole header, or it is nonsense.
-    """
-    stream.seek(0)
-    header = stream.read(HEADER_BYTES)
-    if len(header) == HEADER_BYTES:
-        (size,) = _U16.unpack_from(header, 16)
-        size = _LARGEST_PAGE if size == 1 else size
-        usable = size - header[20]
-        if size >= _SMALLEST_PAGE and size & (size - 1) == 0 and usable >= _SMALLEST_PAGE - 32:
-            return Pages(size, usable, file_size(stream) // size)
-    msg = "the header of the database is broken"
-    raise BrokenRecordError(msg)
-
-
 def rows_in_pages(path: Path) -> Iterator[Row]:
-    """Yield id, topic, stamp and payload of every whole message in a database.
-
-    Parameters
-    ----------
-    path : Path
-        The database, cut off or broken in whatever way.
-
-    Yields
-    ------
-    tuple of int, int, int, bytes
-        In the order of pages; an id may come twice.
-
-    Raises
-    ------
-    BrokenRecordError
-        If its header is broken.
-    """
+    """Yield id, topic, stamp and payload of every whole message, in the order of pages."""
     with path.open("rb") as stream:
-        pages = read_sizes(stream)
+        header = stream.read(100)
+        (size,) = _U16.unpack_from(header, 16)
+        size = 65_536 if size == 1 else size
+        pages = Pages(size, size - header[20], path.stat().st_size // size)
         for page, place in _cells(stream, pages):
             try:
                 row = _parse_cell(stream, pages, page, place)
-            except (BrokenRecordError, IndexError, struct.error):
-                continue
-            if row is not None:
-                yield row
-
-
-def topics_in_pages(path: Path) -> Iterator[TopicRow]:
-    """Yield id, name, type and encoding of every topic in a database, as `rows_in_pages` does."""
-    with path.open("rb") as stream:
-        for page, place in _cells(stream, read_sizes(stream)):
-            try:
-                row = _parse_topic(page, place)
-            except IndexError:
+            except (IndexError, struct.error):
                 continue
             if row is not None:
                 yield row
@@ -122,7 +69,7 @@ def _varint(text: bytes, position: int) -> tuple[int, int]:
         byte = text[position]
         position += 1
         value = value << 7 | byte & 0x7F
-        if byte < 0x80:  # noqa: PLR2004  # the highest bit says that more follows
+        if byte < 0x80:  # the highest bit says that more follows
             return value, position
         if count == _LONGEST_VARINT - 1:
             break
@@ -174,27 +121,6 @@ def _parse_types(record: bytes) -> tuple[int, list[int]] | None:
     return None
 
 
-def _parse_topic(page: bytes, place: int) -> TopicRow | None:
-    """Return the topic in a cell; None if it is a row of another table."""
-    size, place = _varint(page, place)
-    number, place = _varint(page, place)
-    record = page[place : place + size]
-    header, position = _varint(record, 0)
-    texts: list[str] = []
-    end = header
-    while position < header and len(texts) < _TOPIC_TEXTS + 1:
-        kind, position = _varint(record, position)
-        if (kind < _FIRST_BLOB or kind % 2 == 0) and (texts or kind != 0):
-            break
-        n_bytes = (kind - _FIRST_BLOB) // 2 if kind else 0
-        texts.append(record[end : end + n_bytes].decode(errors="replace"))
-        end += n_bytes
-    match texts:
-        case ["", name, msgtype, ("cdr" | "ros1" | "json") as encoding, *_]:
-            return number, name, msgtype, encoding
-    return None
-
-
 def _parse_record(record: bytes, number: int) -> Row | None:
     """Return the message of a record; None if it is a row of another table."""
     found = _parse_types(record)
@@ -207,5 +133,7 @@ def _parse_record(record: bytes, number: int) -> Row | None:
         stored = int.from_bytes(record[position : position + n_bytes], "big", signed=True)
         values.append(stored if n_bytes else kind - 8)
         position += n_bytes
-    payload = record[position : position + (blob_type - _FIRST_BLOB) // 2]
+    payload = record[position:]
+    if len(payload) != (blob_type - _FIRST_BLOB) // 2:
+        return None
     return number, values[0], values[1], payload

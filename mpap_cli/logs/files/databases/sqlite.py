@@ -1,17 +1,28 @@
-"""The SQLite files of rosbag2, read-only; broken ones through a repaired copy."""
+"""The SQLite files of rosbag2, read-only; broken ones page by page."""
 
 import shutil
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
-from itertools import chain, islice
+from itertools import islice
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mpap_cli.errors import LogError
-from mpap_cli.logs.files.database_content import BROKEN_INDEX, BY_STAMP, Content, read_content
+from mpap_cli.logs.files.databases.content import (
+    BROKEN_DATABASE,
+    BROKEN_INDEX,
+    BY_STAMP,
+    Content,
+    Database,
+    connect,
+    read_content,
+)
 from mpap_cli.logs.files.runs import MAX_STAMP_NS, group_messages
-from mpap_cli.logs.files.salvage_database import BROKEN_DATABASE, connect, salvage_database
-from mpap_cli.logs.raw import Damage, RawMessage, Reading, RunGroup, Topic
+from mpap_cli.logs.raw import Damage, LogFile, RawMessage, Reading, RunGroup, Topic
+
+if TYPE_CHECKING:
+    from mpap_cli.logs.files.databases.saved_database import SavedDatabase
 
 UNFINISHED = ("-wal", "-journal")
 _BLOCK_ROWS = 16  # a row may be an image of a megabyte
@@ -19,7 +30,7 @@ _BLOCK_ROWS = 16  # a row may be an image of a megabyte
 _CHECKSUM = "COUNT(*), SUM(timestamp >> 32), SUM(timestamp % 1048573 * (1 + id % 1021))"
 
 
-class SqliteFile:
+class SqliteFile(Database):
     """One .db3 file of rosbag2; ``n_messages`` is exact even where topics are not counted."""
 
     def __init__(self, path: Path, content: Content, database: Path, reading: Reading) -> None:
@@ -30,14 +41,23 @@ class SqliteFile:
         self.end_ns = content.end_ns
         self.ros_distro = content.ros_distro
         self._database = database
+        self._saved: SavedDatabase | None = None
         self._reading = reading
         self._is_checked = False
         self._lost: set[int] = set()
+
+    @property
+    def database(self) -> Path:
+        """The file that is read: the log, or a copy that is settled or repaired."""
+        return self._database
 
     def messages(
         self, wanted: Mapping[int, Topic], start_ns: int | None, end_ns: int | None
     ) -> Iterator[RawMessage]:
         """Yield the messages of the wanted channels in log time order, start <= t < end."""
+        if self._saved is not None:
+            yield from self._saved.messages(wanted, start_ns, end_ns)
+            return
         first = -MAX_STAMP_NS if start_ns is None else start_ns
         after = MAX_STAMP_NS if end_ns is None else end_ns
         n_same = 0
@@ -50,15 +70,36 @@ class SqliteFile:
                 n_same = (n_same if last == first else 0) + sum(m.stamp_ns == last for m in block)
                 first = last
         except BROKEN_DATABASE as err:
-            self._repair(err)
-            rest = chain.from_iterable(self._select(wanted, first, after))
+            rest = self._save(err).messages(wanted, first, after)
             yield from islice(rest, n_same, None)
 
     def runs(
         self, wanted: Mapping[int, Topic], start_ns: int | None, end_ns: int | None
     ) -> Iterator[RunGroup]:
         """Yield the same messages in runs."""
-        yield from group_messages(self.messages(wanted, start_ns, end_ns))
+        if self._saved is None:
+            try:
+                self._require_whole_index()
+            except BROKEN_DATABASE as err:
+                self._save(err)
+        if self._saved is not None:
+            yield from self._saved.runs(wanted, start_ns, end_ns)
+        else:
+            yield from group_messages(self.messages(wanted, start_ns, end_ns))
+
+    def channel_bytes(self) -> Mapping[int, int]:
+        """Return how large the payloads of each channel are; of large ones nothing is read."""
+        if self._saved is not None:
+            return self._saved.channel_bytes()
+        # the limit keeps the payloads out of the sorting by topic
+        lengths = "SELECT topic_id AS t, LENGTH(data) AS n FROM messages NOT INDEXED LIMIT -1"
+        query = f"SELECT t, SUM(n) FROM ({lengths}) GROUP BY t"  # noqa: S608
+        try:
+            with closing(connect(self.database)) as database:
+                sizes = database.execute(query).fetchall()
+        except BROKEN_DATABASE as err:
+            return self._save(err).channel_bytes()
+        return {number: int(size or 0) for number, size in sizes if number in self.channels}
 
     def _require_whole_index(self) -> None:
         """Refuse an index that does not hold every message; that is looked at once."""
@@ -76,7 +117,7 @@ class SqliteFile:
     def _select(
         self, wanted: Mapping[int, Topic], first: int, after: int
     ) -> Iterator[list[RawMessage]]:
-        """Yield messages in blocks from the database as it is now; what is broken is counted."""
+        """Yield messages in blocks out of the tables; what is broken is counted."""
         numbers, known = (",".join(map(str, some)) for some in (wanted, self.channels))
         query = (
             f"SELECT i.timestamp, m.rowid, m.topic_id, m.timestamp, m.data FROM {BY_STAMP} "  # noqa: S608
@@ -114,12 +155,18 @@ class SqliteFile:
         text = f"{name}: {n_lost:,} messages left out, their rows are broken"
         self._reading.add_damage(Damage(name, "message", n_lost, text))
 
-    def _repair(self, err: Exception) -> None:
-        """Go over to a repaired copy, and say so."""
-        self._database, found = _repaired(self.path, self._reading, str(err))
-        self.n_messages = found.n_messages
-        self._is_checked = True
-        self._lost.clear()
+    def _save(self, err: Exception) -> "SavedDatabase":
+        """Go over to what is in the pages, and say so."""
+        from mpap_cli.logs.files.databases.saved_database import (  # noqa: PLC0415  # numba is slow
+            save_database,
+        )
+
+        if self._saved is None:
+            self._saved = save_database(
+                self.path, self._database, self._reading, str(err), self.channels
+            )
+            self.n_messages = self._saved.n_messages
+        return self._saved
 
 
 def _require_order(block: Sequence[RawMessage], first: int) -> None:
@@ -129,7 +176,7 @@ def _require_order(block: Sequence[RawMessage], first: int) -> None:
         raise sqlite3.DatabaseError(BROKEN_INDEX)
 
 
-def open_sqlite(path: Path, reading: Reading, *, count: bool = True) -> SqliteFile:
+def open_sqlite(path: Path, reading: Reading, *, count: bool = True) -> LogFile:
     """Open a .db3 file.
 
     Parameters
@@ -140,26 +187,33 @@ def open_sqlite(path: Path, reading: Reading, *, count: bool = True) -> SqliteFi
         Gets damage and warnings, and lends a folder for copies.
     count : bool
         Count the messages of each topic, which reads the whole table. Otherwise the topics
-        count 0, and the file counts its ids.
+        count 0, the file counts its ids, and a broken one is refused.
 
     Returns
     -------
-    SqliteFile
+    LogFile
         Its messages, mostly of encoding ``cdr``.
 
     Raises
     ------
     LogError
-        If it is not a database of rosbag2, or cannot be repaired, or is damaged and read
+        If it is not a database of rosbag2, or its topics are lost, or it is damaged and read
         strictly.
     """
+    database = path
     try:
         database = _settled(path, reading)
         with closing(connect(database)) as opened:
             return SqliteFile(path, read_content(opened, path.name, count=count), database, reading)
     except BROKEN_DATABASE as err:
-        database, content = _repaired(path, reading, str(err))
-        return SqliteFile(path, content, database, reading)
+        if not count:
+            msg = f"{path.name}: {err}"
+            raise LogError(msg) from err
+        from mpap_cli.logs.files.databases.saved_database import (  # noqa: PLC0415  # numba is slow
+            save_database,
+        )
+
+        return save_database(path, database, reading, str(err))
 
 
 def _settled(path: Path, reading: Reading) -> Path:
@@ -185,13 +239,3 @@ def _settled(path: Path, reading: Reading) -> Path:
     names = ", ".join(other.name for other in beside)
     reading.warn(f"{path.name}: recording not finished, read together with {names}")
     return copy
-
-
-def _repaired(path: Path, reading: Reading, problem: str) -> tuple[Path, Content]:
-    """Salvage a broken database, and say so."""
-    database = salvage_database(path, reading.scratch())
-    with closing(connect(database)) as opened:
-        content = read_content(opened, path.name, count=True)
-    text = f"{path.name}: {problem}; the {content.n_messages:,} whole messages found are used"
-    reading.add_damage(Damage(path.name, "database", content.n_messages, text))
-    return database, content

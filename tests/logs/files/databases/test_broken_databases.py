@@ -9,34 +9,10 @@ import zstandard
 
 from mpap_cli.errors import LogError
 from mpap_cli.logs.files.chunks import BrokenRecordError
-from mpap_cli.logs.files.salvage_pages import rows_in_pages
+from mpap_cli.logs.files.databases.saved_rows import find_saved_rows
 from mpap_cli.logs.reader import open_log
+from tests.logs.files.databases.broken_rows import LENGTHS, PAGE_BYTES, ROWS, STAMPS
 from tests.logs.rows import WriteLog, stamps
-
-PAGE_BYTES = 4096
-# Short rows, rows of a few hundred bytes, and rows of several pages.
-LENGTHS = (3, 300, 9_000)
-ROWS = [
-    ("/left" if number % 3 else "/right", 10**18 + number, "x" * LENGTHS[number % len(LENGTHS)])
-    for number in range(300)
-]
-STAMPS = [row[1] for row in ROWS]
-
-
-@pytest.fixture
-def database(write_log: WriteLog) -> Path:
-    """Return a database of a few hundred pages."""
-    return write_log("sqlite3", ROWS) / "log.db3"
-
-
-def test_rows_of_pages_are_the_rows_of_the_table(database: Path) -> None:
-    """Nothing else in the file is taken for a message."""
-    with closing(sqlite3.connect(database)) as opened:
-        table = opened.execute("SELECT id, topic_id, timestamp, data FROM messages").fetchall()
-
-    found = sorted(rows_in_pages(database))
-
-    assert found == sorted(table)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.5, 0.7, 0.9, 0.99])
@@ -149,7 +125,7 @@ def test_header_of_a_database_that_is_broken(tmp_path: Path, header: bytes) -> N
     path.write_bytes(header)
 
     with pytest.raises(BrokenRecordError, match="the header of the database is broken"):
-        list(rows_in_pages(path))
+        find_saved_rows(path)
 
 
 def index_leaf(content: bytearray) -> int:
@@ -207,36 +183,3 @@ def test_message_that_the_index_has_lost(database: Path, whole: bool) -> None:
 
     assert found == STAMPS
     assert [damage.kind for damage in reader.damage] == ["database"]
-
-
-def test_row_that_is_no_message(database: Path) -> None:
-    """A payload that became a text, or a topic that does not exist: left out and counted."""
-    with closing(sqlite3.connect(database)) as opened:
-        opened.execute("UPDATE messages SET data = 'text' WHERE id = 3")
-        opened.execute("UPDATE messages SET topic_id = 77 WHERE id = 5")
-        opened.commit()
-
-    with open_log(database) as reader:
-        found, again = stamps(reader), stamps(reader)
-
-    assert found == again == [stamp for stamp in STAMPS if stamp not in {STAMPS[2], STAMPS[4]}]
-    assert [(damage.kind, damage.count) for damage in reader.damage] == [("message", 2)]
-    with (
-        open_log(database, strict=True) as reader,
-        pytest.raises(LogError, match="rows are broken"),
-    ):
-        stamps(reader)
-
-
-def test_topics_of_a_database_without_schema(database: Path) -> None:
-    """They lie in a page of their own, as messages do."""
-    content = bytearray(database.read_bytes())
-    content[100:PAGE_BYTES] = b"\xff" * (PAGE_BYTES - 100)
-    database.write_bytes(content)
-
-    with open_log(database) as reader:
-        found = stamps(reader)
-        topics = {topic.name: topic.msgtype for topic in reader.topics}
-
-    assert found == STAMPS
-    assert topics == dict.fromkeys(("/left", "/right"), "std_msgs/msg/String")

@@ -1,0 +1,1 @@
+"""Points are added to meta-points block by block (Algorithm 1)."""

@@ -1,0 +1,1 @@
+"""Distances of points and meta-points, exact ones and those that only rule out."""

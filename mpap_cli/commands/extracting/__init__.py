@@ -1,0 +1,1 @@
+"""Parts of ``extract``: what is worth keeping, and the cutting of it."""

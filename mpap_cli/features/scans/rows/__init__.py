@@ -1,0 +1,1 @@
+"""Rows of values, one a scan: what is done with them after binning."""

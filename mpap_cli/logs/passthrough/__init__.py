@@ -1,0 +1,1 @@
+"""Messages as they are recorded: bytes, stamps and what the container says of their channels."""

@@ -1,0 +1,1 @@
+"""Logs that are named by a URL, read in place (extra ``remote``)."""

@@ -1,0 +1,1 @@
+"""report.html: everything found in a results folder on one page, without network."""
