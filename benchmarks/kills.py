@@ -26,7 +26,8 @@ from mpap_cli.outputs.publishing import staging_of
 from mpap_cli.outputs.results_reader import read_results
 from mpap_cli.outputs.results_record import SETTINGS_NAME, listed_outputs
 
-COMMANDS = ("learn", "merge", "predict", "novelty", "evaluate")
+MERGED = "learn --merge"
+COMMANDS = ("learn", "merge", "predict", "novelty", "evaluate", "extract", MERGED)
 _FIXTURES = Path(__file__).parents[1] / "fixtures"
 _LOGS = tuple(str(_FIXTURES / name) for name in ("indoor-a.bag", "indoor-a2.mcap"))
 _PART = ("--end", "40")
@@ -102,6 +103,7 @@ class Target:
             "predict": ["predict", models[0], log, "--to-mcap", *_PART],
             "novelty": ["novelty", log, *_PART],
             "evaluate": ["evaluate", log, *_PART],
+            "extract": ["extract", log, "--presses", *_PART],
         }[command]
 
     def kill(self, command: str, rng: np.random.Generator, *, while_publishing: bool) -> Kill:

@@ -1,5 +1,6 @@
 """Logs of simulated scans: alone, beside images, in other containers."""
 
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,10 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as DatabaseWriter
 from rosbags.typesys import Stores, get_typestore
 
+from mpap_cli.observations import NS_PER_S
+
 SCANS_TOGETHER = 2_600  # about two chunks
+_STAMP, _SECONDS = 4, struct.Struct("<i")
 
 
 def scans_alone(path: Path, to: Path) -> Path:
@@ -29,6 +33,32 @@ def scans_alone(path: Path, to: Path) -> Path:
             writer.add_message(
                 channel_id or 0, message.log_time, message.data, message.publish_time
             )
+        writer.finish()  # type: ignore[no-untyped-call]  # the library is half typed
+    return to
+
+
+def repeated(path: Path, to: Path, times: int) -> Path:
+    """Copy the scans and bumps of an hour so many times, one hour behind another."""
+    with path.open("rb") as source, to.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros2")
+        messages = list(make_reader(source).iter_messages(topics=["/scan", "/bumper"]))
+        channels: dict[int, int] = {}
+        for schema, channel, _ in messages:
+            if channel.id not in channels and schema is not None:
+                known = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channels[channel.id] = writer.register_channel(
+                    channel.topic, channel.message_encoding, known
+                )
+        for hour in range(times):
+            for _, channel, message in messages:
+                payload = message.data
+                if channel.topic == "/scan":
+                    (seconds,) = _SECONDS.unpack_from(payload, _STAMP)
+                    later = _SECONDS.pack(seconds + 3600 * hour)
+                    payload = payload[:_STAMP] + later + payload[_STAMP + _SECONDS.size :]
+                stamp_ns = message.log_time + 3600 * hour * NS_PER_S
+                writer.add_message(channels[channel.id], stamp_ns, payload, stamp_ns)
         writer.finish()  # type: ignore[no-untyped-call]  # the library is half typed
     return to
 

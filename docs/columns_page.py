@@ -140,7 +140,7 @@ def column_lines() -> Iterator[str]:
     yield "| table | of | one row is |\n| --- | --- | --- |\n"
     for one in TABLES:
         commands = ", ".join(f"`{name}`" for name in one.commands)
-        yield f"| [{one.file}](#{_anchor(one.file)}) | {commands} | {one.row} |\n"
+        yield f"| [{one.file}](#{anchor(one.file)}) | {commands} | {one.row} |\n"
     yield "\n"
     for one in TABLES:
         yield f"## {one.file}\n\n"
@@ -167,10 +167,10 @@ def settings_keys() -> dict[str, str]:
     }
 
 
-def _anchor(title: str) -> str:
+def anchor(title: str) -> str:
     """Return the anchor of a heading, as GitHub makes it.
 
-    >>> _anchor("leaves/manifest.csv")
+    >>> anchor("leaves/manifest.csv")
     'leavesmanifestcsv'
     """
     kept = (letter for letter in title.lower() if letter.isalnum() or letter in "-_ ")

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from mpap_cli.commands.evaluate import EvaluateRequest, evaluate
     from mpap_cli.commands.extract import extract
     from mpap_cli.commands.extracting.request import ExtractRequest
+    from mpap_cli.commands.fleet.learn_merged import MergeRequest, learn_merged
     from mpap_cli.commands.info import info
     from mpap_cli.commands.inputs.selection import LogSelection
     from mpap_cli.commands.learn import LearnRequest, learn
@@ -42,6 +43,7 @@ _MODULES = {
     "evaluate": ("evaluate", "EvaluateRequest"),
     "extract": ("extract",),
     "extracting.request": ("ExtractRequest",),
+    "fleet.learn_merged": ("MergeRequest", "learn_merged"),
     "info": ("info",),
     "inputs.selection": ("LogSelection",),
     "learn": ("learn", "LearnRequest"),
@@ -64,6 +66,7 @@ __all__ = [
     "ExtractRequest",
     "LearnRequest",
     "LogSelection",
+    "MergeRequest",
     "NoveltyRequest",
     "PredictRequest",
     "ReproduceRequest",
@@ -75,6 +78,7 @@ __all__ = [
     "extract",
     "info",
     "learn",
+    "learn_merged",
     "merge",
     "novelty",
     "predict",

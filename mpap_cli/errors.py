@@ -1,5 +1,8 @@
 """Errors that a user can mend: one line each, with the exit code they lead to."""
 
+import errno
+import stat
+from pathlib import Path
 from typing import ClassVar
 
 
@@ -33,3 +36,22 @@ class UsageError(MpapError):
 
 class SettingError(UsageError):
     """A setting has a name or value that does not exist."""
+
+
+def require_finite(path: Path) -> None:
+    """Require that what is to be read comes to an end: a file or folder, no pipe, no device.
+
+    Raises
+    ------
+    OSError
+        If it is a pipe, a device or a socket, or is not there.
+
+    Examples
+    --------
+    >>> require_finite(Path("/dev/null"))
+    Traceback (most recent call last):
+    OSError: [Errno 22] a pipe, device or socket, no file: '/dev/null'
+    """
+    mode = path.stat().st_mode
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+        raise OSError(errno.EINVAL, "a pipe, device or socket, no file", str(path))

@@ -14,6 +14,7 @@ from mpap_cli.cli.interruption import ended_by_signals
 from mpap_cli.errors import MpapError
 
 _THAT_MATTER = ("numpy", "numba", "opencv_python_headless", "rosbags", "mcap", "scikit_learn")
+_NO_ROOM = ("failed to map segment", "can't start new thread")  # a want of memory as well
 COMMANDS = {
     "info": "What a log holds and what could be learnt from it.",
     "learn": "Learn clusters and collision probabilities from logs.",
@@ -132,7 +133,9 @@ def _run(arguments: Sequence[str] | None) -> None:
         # who reads stdout has gone; what Python still holds for it goes nowhere
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
-    except MemoryError:
+    except (MemoryError, ImportError, RuntimeError) as error:
+        if not isinstance(error, MemoryError) and not any(word in str(error) for word in _NO_ROOM):
+            raise
         _say("not enough memory; shorter parts (--start, --end) or fewer logs need less")
         sys.exit(1)
     except OSError as error:

@@ -7,12 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpap_cli.clustering.affinity_propagation import affinity_propagation, weighted_similarities
-from mpap_cli.clustering.meta_point_rows.adding.products import (
-    Block,
-    ProductFilter,
-    are_worth_it,
-    part_of,
-)
+from mpap_cli.clustering.meta_point_rows.adding.blocks import Block, part_of
+from mpap_cli.clustering.meta_point_rows.adding.products import ProductFilter, are_worth_it
 from mpap_cli.clustering.meta_point_rows.arrays import MetaPointArrays
 from mpap_cli.clustering.meta_point_rows.state import pack, unpack
 from mpap_cli.clustering.meta_point_rows.tables import (

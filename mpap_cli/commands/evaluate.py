@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from mpap_cli.commands.evaluating.learnt_settings import learnt_settings
 from mpap_cli.commands.evaluating.observed import (
     ObservedInput,
     drop_recording,
@@ -15,7 +16,6 @@ from mpap_cli.commands.evaluating.variants import make_variants
 from mpap_cli.commands.inputs.models import load_collision_model, recorded_beside
 from mpap_cli.commands.inputs.progress import Progress, no_progress
 from mpap_cli.commands.inputs.selection import LogSelection
-from mpap_cli.commands.learning.learnt import learnt_settings
 from mpap_cli.commands.runtime import keep_kernels_writable, one_thread_each
 from mpap_cli.commands.settings import SettingsRequest
 from mpap_cli.errors import UsageError

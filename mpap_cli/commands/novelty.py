@@ -100,11 +100,8 @@ def novelty(
             raise UsageError(msg)
         write_csv(results.path("novelty.csv"), NoveltyRow, rows)
         plot_novelty(results.path("novelty.png"), rows, boundaries)
-        values = {
-            **selection.values(models.settings),
-            "window": request.window_s,
-            "step": request.step_s,
-        }
+        windows = {"window": request.window_s, "step": request.step_s}
+        values = selection.values(models.settings) | windows
         results.commit(values, inputs, models.settings.affinity.seed)
     redraw(request.out)
     return Novelty(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-from mpap_cli.errors import MpapError, SettingError, UsageError
+from mpap_cli.errors import MpapError, SettingError, UsageError, require_finite
 from mpap_cli.params import PROFILES, Settings, make_settings, setting_fields, settings_values
 
 _LARGEST_CONFIG = 1 << 16
@@ -140,6 +140,7 @@ def _collect(request: SettingsRequest) -> tuple[dict[str, str], dict[str, str]]:
 def _read_toml(path: Path) -> dict[str, str]:
     """Read a flat TOML file of settings as texts."""
     try:
+        require_finite(path)
         with path.open("rb") as file:
             content = file.read(_LARGEST_CONFIG + 1)
         loaded = tomllib.loads(content[:_LARGEST_CONFIG].decode())

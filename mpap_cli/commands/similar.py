@@ -95,11 +95,8 @@ def similar(selection: LogSelection, request: SimilarRequest) -> Similar:
         moments, known = _remembered(models, sensor)
         rows = nearest_moments(moments, known, seen, features, request.count, request.apart_s)
         write_csv(results.path("similar.csv"), SimilarRow, rows)
-        values = {
-            **selection.values(models.settings),
-            "count": request.count,
-            "apart": request.apart_s,
-        }
+        values = selection.values(models.settings)
+        values |= {"count": request.count, "apart": request.apart_s}
         results.commit(values, inputs, models.settings.affinity.seed)
     redraw(request.out)
     return Similar(
@@ -157,7 +154,8 @@ def _look(
                 if best is None or away < best[0]:
                     best = away, int(stamps_ns[nearest]), features[nearest]
     if best is None:
-        msg = f"{source.name}: no {sensor} within {_AFTER_S:g} s of that moment; choose another"
+        span = f"from {_BEFORE_S:g} s before that moment to {_AFTER_S:g} s after it"
+        msg = f"{source.name}: no {sensor} {span}; choose another"
         raise UsageError(msg)
     return Moment(source.name, source.start.start_ns, best[1], -1), best[2]
 
@@ -168,11 +166,8 @@ def _remembered(models: Models, sensor: str) -> tuple[list[Moment], Float32Array
         points, clustered = models.collision.meta_points, models.collision.parts().clustered
         features = points.references().astype(np.float32)
         clusters = clustered.clusters_of(points.ids)
-        logs, stamps_ns, known = (
-            points.exemplar_log,
-            points.exemplar_stamp_ns,
-            models.collision.logs,
-        )
+        logs, stamps_ns = points.exemplar_log, points.exemplar_stamp_ns
+        known = models.collision.logs
     elif models.appearance is not None:
         fine = models.appearance.two_scale.fine()
         features, clusters = fine.features, models.appearance.parts().coarse_of(fine.ids)

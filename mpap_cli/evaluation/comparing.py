@@ -15,14 +15,11 @@ THE_OTHERS = "all others"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CompareRow:
-    """What one log holds that another did not teach (a row of compare.csv).
-
-    ``against`` is a log, or ``all others``: then only what none of them taught is unknown.
-    """
+    """What one log holds that another did not teach (a row of compare.csv)."""
 
     log: LogName
     log_index: LogIndex
-    against: Annotated[str, "the log that was learnt, or `all others`"]
+    against: Annotated[str, "the log that was learnt, or `all others`: unknown to each of them"]
     against_index: Annotated[int | None, "its number; empty for all others"]
     observations: Annotated[int, "scans, or patches of images, of the log"]
     unknown: Annotated[int, "those that what was learnt there does not explain"]

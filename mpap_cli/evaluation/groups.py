@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from mpap_cli.errors import MpapError, UsageError
+from mpap_cli.errors import MpapError, UsageError, require_finite
 from mpap_cli.observations import ObservedLog
 
 MOST_SECONDS = 10.0
@@ -100,6 +100,7 @@ def _matched_groups(paths: Sequence[str], groups: str) -> tuple[str, ...]:
 def _listed_groups(path: Path) -> dict[str, str]:
     """Read the columns log and group of a CSV."""
     try:
+        require_finite(path)
         with path.open(encoding="utf-8-sig", newline="") as file:
             table = csv.DictReader(file)
             if not {"log", "group"} <= set(table.fieldnames or ()):

@@ -29,12 +29,7 @@ _PAST_WINDOWS = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoveltyRow:
-    """One window of one log (a row of novelty.csv).
-
-    Times in ``_s`` count from the log's first message; ``window_end_s`` is at the latest
-    the last observation of the log. ``percent_unknown_at_start`` is None where there was
-    no model when the log began, ``clusters`` where nobody counted them.
-    """
+    """One window of one log (a row of novelty.csv)."""
 
     log: LogName
     log_index: LogIndex
@@ -48,9 +43,11 @@ class NoveltyRow:
     novel: Annotated[int, "those that the model did not know when they came"]
     percent_novel: Annotated[float, "their share in percent"]
     percent_unknown_at_start: Annotated[
-        float | None, "share of the whole log unknown to the model as it stood before"
+        float | None, "percent of the whole log unknown to the model as it began; empty without one"
     ]
-    clusters: Annotated[int | None, "clusters at the end of the window"]
+    clusters: Annotated[
+        int | None, "clusters at the end of the window; empty where nobody counts them"
+    ]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -72,16 +72,6 @@ STOPPING_DISTANCE_M = 0.94
 STOPPING_SPREAD_M = 0.23
 """Mean and spread of the distance at which the robot stopped (section 5.3.3)."""
 
-VISIBLE_FROM_M = 1.2
-"""Distance from which the camera sees obstacles on the floor (section 5.3)."""
-
-N_TEXTURE_PATCHES = 1200
-N_TEXTURE_CLASSES = 6
-"""The labelled image patches of section 5.1.1."""
-
-PATCH_COUNTS = (9, 144)
-"""Least and most patches an image was cut into, which "worked equally well" (section 4.2.2)."""
-
 MIN_POINTS_RANGE = (5, 10)
 THETA_SHARES = (0.05, 0.15)
 """Good values of the two parameters; theta as a share of the feature space (section 3.4)."""

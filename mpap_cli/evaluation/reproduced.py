@@ -35,16 +35,13 @@ ITEMS: dict[str, Item] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReproducedRow:
-    """One number (a row of reproduced.csv).
-
-    ``item`` is the name in ``ITEMS``, with ``, part`` behind it where it has several
-    tables. ``ours`` is the mean of ``n`` repeats with the spread ``sd``; a duration stands
-    in ``seconds`` instead, which alone may differ from run to run. ``paper`` is None where
-    the paper prints no such number; ``note`` says what else is to be known.
-    """
+    """One number (a row of reproduced.csv)."""
 
     experiment: Annotated[str, "name of the experiment"]
-    item: Annotated[str, "table or figure of the paper, with its part"]
+    item: Annotated[
+        str,
+        "table, figure or claim of the paper, with `, part` behind it where it has several tables",
+    ]
     row: Annotated[str, "row of that table"]
     quantity: Annotated[str, "what is measured"]
     paper: Annotated[float | None, "the paper's number; empty where it prints none"]

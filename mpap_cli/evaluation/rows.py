@@ -27,12 +27,7 @@ from mpap_cli.systems.columns import (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AucRow:
-    """One method under one target and protocol (a row of auc.csv; Table 4).
-
-    ``visible`` columns leave out the presses before which nothing near was seen; the mean
-    per log is over the logs that hold both classes; slope and intercept are those of the
-    logistic recalibration.
-    """
+    """One method under one target and protocol (a row of auc.csv; Table 4)."""
 
     method: Method
     feature: Feature
@@ -79,8 +74,7 @@ class AucRow:
 class DifferenceRow:
     """Area of the first method less that of another, ``against`` (a row of differences.csv).
 
-    ``logs`` hold both classes for both methods. ``diff_per_log`` is the mean over them,
-    ``diff`` that of the areas pooled within each model; both methods are resampled alike.
+    Both methods are resampled alike.
     """
 
     method: Method
@@ -106,11 +100,7 @@ class DifferenceRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OperatingRow:
-    """What one threshold of one method announces (a row of operating.csv).
-
-    A missed press counts as a lead of 0 s; ``alarm_share`` is the share of the time outside
-    contact in which a collision is predicted.
-    """
+    """What one threshold of one method announces (a row of operating.csv)."""
 
     method: Method
     feature: Feature
@@ -137,11 +127,7 @@ class OperatingRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RocRow:
-    """One corner of a ROC curve (a row of roc.csv; Fig. 10).
-
-    ``threshold`` is None where the curves of several models were averaged: no single
-    threshold leads to such a point.
-    """
+    """One corner of a ROC curve (a row of roc.csv; Fig. 10)."""
 
     method: Method
     feature: Feature
@@ -178,11 +164,7 @@ class TimelineRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PressRow:
-    """One press and how early it was announced (a row of presses.csv).
-
-    ``visible``: something near was seen ahead in the second before it; ``alarm_lead_s`` is
-    the lead of the alarm of profile robust.
-    """
+    """One press and how early it was announced (a row of presses.csv)."""
 
     log: LogName
     log_index: LogIndex
@@ -196,11 +178,7 @@ class PressRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DecisionRow:
-    """What the robot would have done at one image (a row of decisions.csv; section 4.2.6).
-
-    ``nearest_ahead_m`` is the nearest range within 20 degrees of straight ahead in the scan
-    of that moment, None without one.
-    """
+    """What the robot would have done at one image (a row of decisions.csv; section 4.2.6)."""
 
     log: LogName
     log_index: LogIndex

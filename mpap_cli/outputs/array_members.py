@@ -18,7 +18,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpap_cli.errors import ModelError
+from mpap_cli.errors import ModelError, require_finite
 
 _FIRST_DATE = (1980, 1, 1, 0, 0, 0)  # the date of a file would change its bytes
 _NAME_LENGTHS = 26  # where a member's local header says how long name and extra field are
@@ -132,6 +132,7 @@ def open_members(path: Path, what: str) -> Iterator[zipfile.ZipFile]:
         If the file, or what is read from it inside the ``with``, is missing or garbled.
     """
     try:
+        require_finite(path)
         with zipfile.ZipFile(path) as archive:
             yield archive
     except FileNotFoundError as err:

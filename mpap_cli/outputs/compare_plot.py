@@ -30,7 +30,7 @@ def plot_comparison(path: Path, names: Sequence[str], shares: Float64Array) -> N
     OSError
         If the file cannot be written.
     """
-    short = [plain(name if len(name) <= _NAME_LETTERS else f"...{name[-21:]}") for name in names]
+    short = [plain(_shortened(name)) for name in names]
     size = (3.4 + _CELL * (len(names) + 1), 2.2 + _CELL * len(names))
     with figure_for(path, size) as figure:
         axis = figure.subplots()
@@ -45,3 +45,8 @@ def plot_comparison(path: Path, names: Sequence[str], shares: Float64Array) -> N
             words = "" if np.isnan(share) else f"{100 * share:.0f} %"
             axis.text(column, row, words, ha="center", va="center", color=color)
         figure.suptitle("unknown")
+
+
+def _shortened(name: str) -> str:
+    """Return the end of a long name, which tells logs apart."""
+    return name if len(name) <= _NAME_LETTERS else f"...{name[3 - _NAME_LETTERS :]}"

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PREDICTION = "#0072B2"
+_DIGITS = 5
 _LOOK: dict[str, Any] = {
     "font.size": 11.0,
     "axes.spines.top": False,
@@ -46,9 +47,23 @@ def figure_for(path: Path, size: tuple[float, float]) -> Iterator["Figure"]:
         figure = Figure(figsize=size)
         figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.1)
         yield figure
+        _settle(figure)
         figure.savefig(path, dpi=150, format="png", metadata={"Software": None})
         nothing = {"Date": None, "Creator": None}
         figure.savefig(path.with_suffix(".svg"), format="svg", metadata=nothing)
+
+
+def _settle(figure: "Figure") -> None:
+    """Lay the figure out once, to places that the last digits of the solver do not change."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        left, bottom, width, height = (
+            round(float(value), _DIGITS) for value in axes.get_position().bounds
+        )
+        axes.set_position((left, bottom, width, height))
 
 
 def plain(text: str) -> str:

@@ -149,7 +149,7 @@ def find_model(path: Path) -> Path:
 
 def has_model(folder: Path) -> bool:
     """Tell whether :func:`find_model` finds one in a folder of results."""
-    return any(True for _ in _models_in(folder))
+    return next(_models_in(folder), None) is not None
 
 
 def _models_in(folder: Path) -> Iterator[Path]:

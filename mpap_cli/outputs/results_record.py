@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any
 
-from mpap_cli.errors import OutputError
+from mpap_cli.errors import OutputError, require_finite
 
 SETTINGS_NAME = "settings.json"
 _LARGEST_SETTINGS = 64 * 1024 * 1024
@@ -51,6 +51,7 @@ class Results:
 
 def sha256_of(path: Path) -> str:
     """Return the SHA-256 of a file, in hexadecimal."""
+    require_finite(path)
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
@@ -106,7 +107,7 @@ def _results(folder: Path, record: Any) -> Results:
     names = [item.name for item in fields(InputFile)]
     inputs = tuple(InputFile(**{name: item[name] for name in names}) for item in record["inputs"])
     outputs, settings = record["outputs"], record["settings"]
-    warnings = tuple(record.get("warnings", ()))  # not there before version 0.2
+    warnings = tuple(record.get("warnings", ()))  # older results have none
     texts = (record["mpap"], record["command"], *warnings, *outputs, *outputs.values())
     good = (
         isinstance(settings, dict)

@@ -3,10 +3,12 @@
 import contextlib
 import csv
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from mpap_cli.errors import OutputError
+from mpap_cli.logs.scratch import ScratchFolder
 from mpap_cli.logs.writing.writer import LogWriter
 from mpap_cli.observations import NS_PER_S
 from mpap_cli.simulation.camera_truth import CameraTruth
@@ -16,6 +18,7 @@ from mpap_cli.simulation.sources import SCAN_TOPIC, Run
 
 __all__ = ["SCAN_TOPIC", "SimulatedLog", "TruthContact", "simulate"]
 
+TRUTH, PATCHES, IMAGES = ".truth.csv", ".patches.csv", ".images.csv"
 CONTACT_COLUMNS = {
     "log": "base name of the log",
     "start_s": "onset in seconds since the first message of the log",
@@ -65,6 +68,7 @@ def simulate(path: Path, params: SimulationParams) -> SimulatedLog:
     With a camera there are ``.patches.csv`` (log, stamp_ns, row, column, floor, wall,
     obstacle: shares of the pixels of each patch) and ``.images.csv`` (log, stamp_ns,
     free_ahead_m); stamps are those of the messages. The same settings give the same messages.
+    Log and tables are written aside and take their names when all of them are whole.
 
     Parameters
     ----------
@@ -82,36 +86,56 @@ def simulate(path: Path, params: SimulationParams) -> SimulatedLog:
     OutputError
         If the log exists or cannot be written.
     """
-    truth_path = _free_path(path, ".truth.csv")
+    endings = (TRUTH,) if params.camera is None else (TRUTH, PATCHES, IMAGES)
     n_scans = n_messages = 0
     start_ns = end_ns = params.start_stamp_ns
     with (
+        _tables_beside(path, endings) as tables,
         LogWriter(path, params.container, params.compression) as writer,
-        _camera_truth(path, params) as truth,
     ):
-        run = Run(params, truth)
-        for topic, msgtype in run.topics():
-            writer.add_topic(topic, msgtype)
-        for stamp_ns, topic, msgtype, fields in run.events():
-            writer.write(topic, msgtype, stamp_ns, fields)
-            start_ns = stamp_ns if n_messages == 0 else start_ns
-            end_ns = stamp_ns
-            n_messages += 1
-            n_scans += topic == SCAN_TOPIC
-    contacts = tuple(_true_contact(run, contact, end_ns) for contact in run.walker.contacts)
-    _write_truth(truth_path, path.name, start_ns, contacts)
+        with _camera_truth(path.name, tables) as truth:
+            run = Run(params, truth)
+            for topic, msgtype in run.topics():
+                writer.add_topic(topic, msgtype)
+            for stamp_ns, topic, msgtype, fields in run.events():
+                writer.write(topic, msgtype, stamp_ns, fields)
+                start_ns = stamp_ns if n_messages == 0 else start_ns
+                end_ns = stamp_ns
+                n_messages += 1
+                n_scans += topic == SCAN_TOPIC
+        contacts = tuple(_true_contact(run, contact, end_ns) for contact in run.walker.contacts)
+        _write_truth(tables[TRUTH], path.name, start_ns, contacts)
+    truth_path = _beside(path, TRUTH)
     n_images = 0 if run.camera is None else run.camera.n_taken
     return SimulatedLog(path, truth_path, contacts, n_scans, n_images, n_messages, start_ns, end_ns)
 
 
+@contextlib.contextmanager
+def _tables_beside(log: Path, endings: tuple[str, ...]) -> Iterator[Mapping[str, Path]]:
+    """Give places aside for tables by their endings; without an error they come beside the log."""
+    beside = {ending: _free_path(log, ending) for ending in endings}
+    try:
+        folder = ScratchFolder(".mpap-", log.parent)
+        try:
+            aside = {ending: folder.path / path.name for ending, path in beside.items()}
+            yield aside
+            for ending, path in beside.items():
+                aside[ending].rename(path)
+        finally:
+            folder.remove()
+    except OSError as err:
+        found = (err.strerror or str(err)).lower()
+        msg = f"{log}: cannot be written ({found}); choose another place"
+        raise OutputError(msg) from err
+
+
 def _camera_truth(
-    path: Path, params: SimulationParams
+    log: str, tables: Mapping[str, Path]
 ) -> contextlib.AbstractContextManager[CameraTruth | None]:
     """Return what writes the truth about images, where there is a camera."""
-    if params.camera is None:
+    if IMAGES not in tables:
         return contextlib.nullcontext()
-    tables = (_free_path(path, ".patches.csv"), _free_path(path, ".images.csv"))
-    return CameraTruth(path.name, *tables)
+    return CameraTruth(log, tables[PATCHES], tables[IMAGES])
 
 
 def _free_path(path: Path, ending: str) -> Path:
@@ -119,11 +143,15 @@ def _free_path(path: Path, ending: str) -> Path:
     if not path.name:
         msg = f"{path}: no name for a log; give a file or folder that is not there yet"
         raise OutputError(msg)
-    beside = path.with_name(path.name + ending)
+    beside = _beside(path, ending)
     if beside.exists():
         msg = f"{beside}: exists; choose another name for the log"
         raise OutputError(msg)
     return beside
+
+
+def _beside(log: Path, ending: str) -> Path:
+    return log.with_name(log.name + ending)
 
 
 def _true_contact(run: Run, contact: Contact, end_ns: int) -> TruthContact:
@@ -135,15 +163,11 @@ def _true_contact(run: Run, contact: Contact, end_ns: int) -> TruthContact:
 
 
 def _write_truth(path: Path, log: str, start_ns: int, contacts: tuple[TruthContact, ...]) -> None:
-    try:
-        with path.open("w", encoding="utf-8", newline="") as file:
-            table = csv.writer(file, lineterminator="\n")
-            table.writerow(CONTACT_COLUMNS)
-            for contact in contacts:
-                start_s = (contact.start_ns - start_ns) / NS_PER_S
-                end_s = (contact.end_ns - start_ns) / NS_PER_S
-                cells = (int(contact.visible), contact.cause, f"{contact.bearing_deg:.1f}")
-                table.writerow((log, start_s, end_s, *cells))
-    except OSError as err:
-        msg = f"{path}: cannot be written ({err.strerror}); choose another place"
-        raise OutputError(msg) from err
+    with path.open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(CONTACT_COLUMNS)
+        for contact in contacts:
+            start_s = (contact.start_ns - start_ns) / NS_PER_S
+            end_s = (contact.end_ns - start_ns) / NS_PER_S
+            cells = (int(contact.visible), contact.cause, f"{contact.bearing_deg:.1f}")
+            table.writerow((log, start_s, end_s, *cells))

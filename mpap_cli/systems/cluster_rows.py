@@ -21,28 +21,26 @@ from mpap_cli.systems.model_parts import ModelParts
 class ClusterRow:
     """One row of clusters.csv, fields in the order of its columns.
 
-    ``collisions`` and ``non_collisions`` are counted labels of the target that is learnt;
-    the interval ``p_low``, ``p_high`` counts visits instead, with and without a press.
-    The three are None where no label is counted; only ``p_collision`` of patches may then be
-    that of others near them. ``exemplar_time_s`` counts from the first message of
-    ``exemplar_log``; ``first_seen_s`` and ``last_seen_s`` count from that of the first log,
-    and of the last one, in which the cluster was seen.
+    Where no label is counted the three probabilities are None; only ``p_collision`` of patches
+    may then be that of others near them.
     """
 
     sensor: Sensor
     feature: Annotated[str, "value of a bin of a scan, or the feature of a patch"]
-    bins: Annotated[int, "number of bins of a scan, of a patch: values of its feature"]
+    bins: Annotated[int, "number of bins of a scan, or of patches of an image"]
     profile: Annotated[str, "`robust` or `paper`"]
     cluster: Annotated[int, "number of the cluster"]
     observations: Annotated[int, "scans or patches in it"]
-    collisions: Annotated[int, "those labelled as collision"]
+    collisions: Annotated[int, "those labelled as collision, by the target that is learnt"]
     non_collisions: Annotated[int, "those labelled as free"]
-    presses: Annotated[int, "presses that began or lasted in it"]
+    presses: Annotated[int, "presses that these labels come from"]
     visits: Annotated[int, "runs of observations in it, parted by two seconds or more"]
     p_collision: Annotated[
         float | None, "probability of a collision; empty where no label is counted"
     ]
-    p_low: Annotated[float | None, "lower end of the 95 % interval over visits"]
+    p_low: Annotated[
+        float | None, "lower end of the 95 % interval over visits, with and without a press"
+    ]
     p_high: Annotated[float | None, "upper end of it"]
     meta_points: Annotated[int, "meta-points, or exemplars of patches, in it"]
     exemplar_log: Annotated[str, "log of the real observation that stands for it"]

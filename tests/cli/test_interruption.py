@@ -135,10 +135,12 @@ def test_an_interruption_that_is_lost_comes_again(
         def __del__(self) -> None:
             signal.raise_signal(signal.SIGINT)
 
-    with pytest.raises(SystemExit, match="130"), ended_by_signals():
-        del (dying := [Dying()])[0]
-        assert dying == []
+    def command() -> None:
+        Dying()
         time.sleep(5)
+
+    with pytest.raises(SystemExit, match="130"), ended_by_signals():
+        command()
 
     assert capsys.readouterr().err == f"{LINE}\n"
     assert signal.getsignal(signal.SIGALRM) is signal.SIG_DFL

@@ -1,8 +1,10 @@
 """A run that is killed at any moment loses nothing and stands in nobody's way."""
 
+import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,8 @@ from mpap_cli.errors import OutputError
 from mpap_cli.outputs.publishing import lock_of
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.results_reader import read_results
+from tests.cli.conftest import Run
+from tests.commands.fleet.logs import MPAP, wait_until
 
 OLDER = {"a.csv": "1", "b.csv": "1", "deep/gone.png": "1"}
 NEWER = {"a.csv": "2", "b.csv": "1", "deep/new.png": "2", "z.csv": "2"}
@@ -101,6 +105,56 @@ def test_a_kill_between_any_two_steps_loses_nothing(tmp_path: Path) -> None:
     assert n_mixed > 3
     assert seen == [OLDER] * seen.count(OLDER) + [NEWER] * seen.count(NEWER)
     assert set(map(len, seen)) == {3, 4}
+
+
+def kill_when(holds: Callable[[], object], words: Sequence[object], place: Path) -> None:
+    """Start a command with a place for temporary files, and kill it as soon as that holds."""
+    null, environment = subprocess.DEVNULL, {**os.environ, "TMPDIR": str(place)}
+    line = [MPAP, *map(str, words)]
+    with subprocess.Popen(line, env=environment, stdout=null, stderr=null) as run:  # noqa: S603
+        try:
+            wait_until(lambda: bool(holds()) or run.poll() is not None)
+            assert run.poll() is None
+        finally:
+            run.kill()
+
+
+@pytest.mark.parametrize("name", ["a.bag", "folder"])
+def test_the_next_simulate_removes_what_a_killed_one_left(
+    tmp_path: Path, run: Run, name: str
+) -> None:
+    """Of the log and of the truth; the same name is free."""
+    log = tmp_path / name
+    words = ("simulate", log, "--camera", "--image-size", "64x64", "--duration")
+    kill_when(lambda: len(list(tmp_path.glob(".mpap-*/*.csv"))) > 1, (*words, 3000), tmp_path)
+    left = {path.name for path in tmp_path.iterdir()}
+
+    outcome = run(*words, 2)
+
+    assert outcome.code == 0
+    assert left
+    assert all(one.startswith(".mpap-") for one in left)
+    tables = {f"{name}.{kind}.csv" for kind in ("truth", "patches", "images")}
+    assert {path.name for path in tmp_path.iterdir()} == {name, *tables}
+
+
+def test_the_next_reproduce_removes_what_a_killed_one_left(tmp_path: Path) -> None:
+    """The folder of its experiments, which lies where temporary files do."""
+    words = ("reproduce", "--only", "table-2", "--jobs", 1, "-o", tmp_path / "out")
+    place = tmp_path / "temporary"
+    place.mkdir()
+
+    def folders() -> set[Path]:
+        return set(place.glob("mpap-reproduce-*"))
+
+    kill_when(lambda: list(place.glob("mpap-reproduce-*/*")), words, place)
+    left = folders()
+
+    kill_when(lambda: folders() - left and not left & folders(), words, place)
+
+    assert len(left) == 1
+    assert len(folders()) == 1
+    assert not left & folders()
 
 
 @pytest.mark.slow

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from mpap_cli.clustering.meta_point_rows import _kernels
 from mpap_cli.clustering.meta_point_rows.adding import _kernels as adding
 from mpap_cli.clustering.meta_point_rows.adding import products
+from mpap_cli.clustering.meta_point_rows.adding.blocks import Block
 from mpap_cli.clustering.meta_point_rows.distances import _kernels as distances
 from mpap_cli.clustering.meta_point_rows.tables import (
     N_DROPPED,
@@ -195,7 +196,7 @@ def test_kernels_run_as_plain_python(
 
     distances.half_squares(points, halves)
     rules = rules_of(params, normalized=False, length=20.0)
-    block = products.Block(points, halves, stamps, ids, cases, 0)
+    block = Block(points, halves, stamps, ids, cases, 0)
     products.ProductFilter().add(rows, index, rules, block)
 
     assert list(zip(ids.tolist(), cases.tolist(), strict=True)) == expected

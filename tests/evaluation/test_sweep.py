@@ -51,3 +51,13 @@ def test_sweep_refuses_what_cannot_vary(settings: Settings) -> None:
         sweep_variants(settings, Sweep("thetta", ("1",)))
     with pytest.raises(SettingError, match="expected float"):
         sweep_variants(settings, Sweep("theta", ("near",)))
+
+
+def test_a_sweep_without_end_is_refused() -> None:
+    """A hundred values are enough; what was typed is not repeated whole."""
+    assert len(parse_sweep("theta=" + ",".join(["0.1"] * 100)).values) == 100
+    with pytest.raises(UsageError, match="found 101 values, expected 100 at most"):
+        parse_sweep("theta=" + ",".join(["0.1"] * 101))
+    with pytest.raises(UsageError, match="expected KEY=V1") as caught:
+        parse_sweep("theta=" + "," * 100_000)
+    assert len(str(caught.value)) < 300

@@ -69,3 +69,25 @@ def test_who_stops_early_leaves_no_thread() -> None:
 
     assert closed.is_set()
     assert not [thread for thread in threading.enumerate() if thread.name == "mpap-prefetch"]
+
+
+@pytest.mark.parametrize("depth", [1, 2])
+def test_a_source_that_hangs_keeps_nobody_waiting(depth: int) -> None:
+    """Its thread is left behind, and ends as soon as the source goes on."""
+    goes_on = threading.Event()
+
+    def items() -> Iterator[int]:
+        yield 1
+        goes_on.wait(60)
+        yield from count()
+
+    ahead = prefetch(items(), 2, depth)
+    next(ahead)
+    ahead.close()  # type: ignore[attr-defined]  # it is a generator
+    left = [thread for thread in threading.enumerate() if thread.name == "mpap-prefetch"]
+    goes_on.set()
+    for thread in left:
+        thread.join(10)
+
+    assert len(left) == 1
+    assert not left[0].is_alive()

@@ -16,26 +16,24 @@ from mpap_cli.observations import ObservedLog, Press
 from mpap_cli.outputs.recording import RECORDING_NAME, read_recording
 from mpap_cli.outputs.results_folder import ResultsFolder
 from mpap_cli.outputs.results_reader import InputFile, describe_input, has_results, read_results
-from mpap_cli.params import Settings, make_settings, setting_fields
+from mpap_cli.params import Settings, setting_fields
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ObservedInput:
     """Logs with their presses, and where they come from.
 
-    ``learnt`` are the settings that ``learn`` wrote, None where logs were given;
     ``values`` are what settings.json says of the input.
     """
 
     logs: tuple[ObservedLog, ...]
     inputs: tuple[InputFile, ...]
-    learnt: Settings | None
     values: dict[str, Any]
     exit_code: int = 0
 
 
 def learnt_last(out: Path, selection: LogSelection) -> ObservedInput:
-    """Return the logs and settings of the last ``learn`` in a results folder.
+    """Return the logs of the last ``learn`` in a results folder.
 
     Parameters
     ----------
@@ -69,11 +67,9 @@ def learnt_last(out: Path, selection: LogSelection) -> ObservedInput:
         msg = f"{folder}: learnt with --no-recording; name the logs to score"
         raise UsageError(msg)
     keys = setting_fields()
-    values = {key: value for key, value in results.settings.items() if key in keys}
     return ObservedInput(
         logs=tuple(read_recording(results.path(RECORDING_NAME))),
         inputs=results.inputs,
-        learnt=make_settings(str(results.settings["profile"]), values),
         values={  # what is scored may be of another profile, but not of another forward
             key: value
             for key, value in results.settings.items()
@@ -109,7 +105,6 @@ def observe_logs(
     return ObservedInput(
         logs=tuple(read_recording(recording)),
         inputs=tuple(inputs),
-        learnt=None,
         values={},
         exit_code=losses.exit_code,
     )

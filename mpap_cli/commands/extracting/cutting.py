@@ -25,11 +25,7 @@ _MOST_NAMED = 20
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SegmentRow:
-    """One segment (a row of segments.csv).
-
-    Times count from the log's first message, the end is behind the last moment. ``messages``
-    and their ``bytes`` are those that the new log holds of it, repeated ones too.
-    """
+    """One segment (a row of segments.csv)."""
 
     log: LogName
     log_index: LogIndex

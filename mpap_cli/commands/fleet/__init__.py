@@ -1,1 +1,1 @@
-"""The parts of ``learn --merge``: leaf models, the workers that learn them, the manifest."""
+"""``learn --merge``: leaf models of many logs, the workers that learn them, the manifest."""

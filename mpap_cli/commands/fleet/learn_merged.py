@@ -1,6 +1,7 @@
 """``learn --merge``: a leaf model of each log, in parallel, merged into one."""
 
 import logging
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -33,7 +34,6 @@ from mpap_cli.systems.collision import CollisionModel
 
 LOGGER = logging.getLogger(__name__)
 LEAVES = "leaves"
-_USAGE = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,7 +119,12 @@ def _fleet(selection: LogSelection, settings: Settings, request: MergeRequest) -
     clear_private(folder)
     paths = [path.absolute() for path in selection.paths()]
     seen = [_seen(path) for path in paths]
-    manifest = Manifest(folder, [path.name for path in paths], seen)
+    try:
+        manifest = Manifest(folder, [path.name for path in paths], seen)
+    except OSError:
+        with suppress(OSError):  # not empty: there are leaves
+            folder.rmdir()
+        raise
     presses = presses_by_hand(selection, paths)
     definitions = definitions_digest(selection.msgs)
     msgs = tuple(path.absolute() for path in selection.msgs)
@@ -157,10 +162,10 @@ def _presses_of(
 
 
 def _tell_of_leaves(fleet: Fleet) -> None:
-    """Repeat what was odd about the logs, in an order of their own, and what is missing."""
+    """Say what was odd about the logs, in an order of their own, and what is missing."""
     leaves = sorted(fleet.leaves.items(), key=lambda item: str(fleet.tasks[item[0]].path))
-    for _, leaf in leaves:
-        for text in leaf.facts.warnings:
+    for number, leaf in leaves:
+        for text in leaf.facts.warnings if number not in fleet.told else ():
             LOGGER.warning("%s", text)
     n_images = sum(leaf.facts.has_images for _, leaf in leaves)
     if n_images:
@@ -180,7 +185,7 @@ def _require_leaves(fleet: Fleet, *, strict: bool) -> None:
     """Refuse to go on without a leaf, or with --strict without one of them."""
     outcomes = list(fleet.missing.values())
     if not fleet.leaves and outcomes:
-        if all(outcome.exit_code == _USAGE for outcome in outcomes):
+        if all(outcome.exit_code == UsageError.exit_code for outcome in outcomes):
             raise UsageError(outcomes[0].reason)
         none = f"none of the {len(outcomes)} logs could be learnt: {_names(fleet)}"
         msg = f"{none}; {LEAVES}/{MANIFEST} says why"

@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 
 from mpap_cli import __version__
@@ -61,13 +61,12 @@ def learn_leaf(task: LeafTask) -> Outcome:
         return Outcome(reason=reason)
     with _warnings() as told:
         try:
-            outcome = _learn_missing(task, told)
+            return _learn_missing(task, told)
         except MpapError as error:
-            outcome = Outcome(reason=str(error), exit_code=error.exit_code)
+            return Outcome(reason=str(error), exit_code=error.exit_code)
         except (OSError, MemoryError) as error:
             found = getattr(error, "strerror", None) or str(error) or "out of memory"
-            outcome = Outcome(reason=f"{task.name}: {found.lower()}")
-    return replace(outcome, told=() if outcome.leaf else tuple(told))
+            return Outcome(reason=f"{task.name}: {found.lower()}")
 
 
 def _leaf_key(task: LeafTask, log: InputFile) -> str:

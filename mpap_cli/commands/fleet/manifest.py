@@ -1,7 +1,6 @@
 """The manifest of a fleet: one row a log with its state, for people and for schedulers."""
 
 import csv
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,9 +21,7 @@ DONE, FAILED, PENDING = "done", "failed", "pending"
 class ManifestRow:
     """A row of manifest.csv.
 
-    ``seconds`` are those that learning took, in whichever run; ``leaf`` is the model file,
-    from the folder of the manifest. ``path``, ``bytes`` and ``changed`` tell whether the
-    content is still that of ``sha256``.
+    ``path``, ``bytes`` and ``changed`` tell whether the content is still that of ``sha256``.
     """
 
     log: LogName
@@ -88,9 +85,14 @@ class Manifest:
 
     def write(self) -> None:
         """Put the rows in the place of the older ones."""
-        beside = self._path.with_name(f".{MANIFEST}.{os.getpid()}")
-        write_csv(beside, ManifestRow, self._rows)
-        beside.replace(self._path)
+        beside = self._path.with_name(f".{MANIFEST}.unfinished")
+        beside.unlink(missing_ok=True)  # of a killed run, or a link that leads elsewhere
+        try:
+            write_csv(beside, ManifestRow, self._rows)
+            beside.replace(self._path)
+        except BaseException:
+            beside.unlink(missing_ok=True)
+            raise
 
     def _pending(self, name: str, seen: Sighting | None) -> ManifestRow:
         """Return the row of a log that waits; what is known of its content stays."""

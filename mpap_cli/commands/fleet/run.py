@@ -17,13 +17,15 @@ LOGGER = logging.getLogger(__name__)
 class Fleet:
     """The logs of a run: leaves by number of the log, and what is missing.
 
-    ``leaves`` hold each leaf once, under the first of the logs that are the same.
+    ``leaves`` hold each leaf once, under the first of the logs that are the same. What was
+    odd about the logs in ``told`` was said in this process while they were learnt.
     """
 
     tasks: Sequence[LeafTask]
     manifest: Manifest
     leaves: dict[int, Leaf] = field(default_factory=dict)
     missing: dict[int, Outcome] = field(default_factory=dict)
+    told: set[int] = field(default_factory=set)
     n_finished: int = 0
 
     def learn(self, jobs: int, scheduler: str | None) -> None:
@@ -44,6 +46,8 @@ class Fleet:
         if self.n_finished:
             LOGGER.info("%s learnt before", count(self.n_finished, "log"))
         for task, outcome in run_tasks(learn_leaf, waiting, jobs, scheduler):
+            if scheduler is None and jobs == 1 and not outcome.reused:
+                self.told.add(task.number)
             self._take(task, self._checked(task, outcome))
             self._tell(task, outcome)
         self._drop_repeated()

@@ -1,7 +1,7 @@
 """What a worker is told of one log, and what it tells of its leaf."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
@@ -65,8 +65,8 @@ class Outcome:
     """How it went with one log.
 
     Without a ``leaf`` the ``reason`` says why, with the exit code that it would lead to.
-    It is ``pending`` where nothing is known against the log itself. ``told`` are warnings
-    that were not shown yet, because another process met them.
+    It is ``pending`` where nothing is known against the log itself, ``reused`` where an
+    earlier run learnt it.
     """
 
     leaf: Leaf | None = None
@@ -74,7 +74,6 @@ class Outcome:
     exit_code: int = 1
     pending: bool = False
     reused: bool = False
-    told: tuple[str, ...] = field(default=())
 
 
 Work: TypeAlias = Callable[[LeafTask], Outcome]

@@ -10,7 +10,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpap_cli.errors import LogError
+from mpap_cli.errors import LogError, require_finite
 from mpap_cli.features.images.image_decode import Image
 from mpap_cli.observations import IntArray
 
@@ -65,6 +65,7 @@ def read_patch_archive(path: Path) -> PatchArchive:
         larger than 2 GiB, or a label has no name.
     """
     try:
+        require_finite(path)
         with zipfile.ZipFile(path) as archive:
             patches = _read(archive, "patches")
             labels = _read(archive, "labels")

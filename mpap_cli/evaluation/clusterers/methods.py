@@ -45,10 +45,10 @@ CLUSTERERS: Mapping[tuple[str, str], Clusterer] = MappingProxyType(
         ("ap", "default"): Clusterer(_AP, varies=False, most_points=MOST_POINTS),
         ("ap", "median"): Clusterer(_AP_MEDIAN, varies=False, most_points=MOST_POINTS),
         ("mpap", "default"): Clusterer(own.cluster_by_meta_points),
-        ("mpap", "fixed-theta"): Clusterer(own.cluster_by_fixed_theta, only_histograms=True),
-        ("strap", "default"): Clusterer(_STRAP, only_histograms=True),
-        ("strap", "fine"): Clusterer(_STRAP_FINE, only_histograms=True),
-        ("k-means", "raw"): Clusterer(_seeded(peers.k_means_of_histograms), only_histograms=True),
+        ("mpap", "fixed-theta"): Clusterer(own.cluster_by_fixed_theta),
+        ("strap", "default"): Clusterer(_STRAP),
+        ("strap", "fine"): Clusterer(_STRAP_FINE),
+        ("k-means", "raw"): Clusterer(_seeded(peers.k_means_of_histograms)),
         ("k-means", "square-root"): Clusterer(_seeded(peers.k_means_of_points)),
         ("mean-shift", "default"): Clusterer(
             _of_points(peers.shift_means), varies=False, most_points=MOST_POINTS

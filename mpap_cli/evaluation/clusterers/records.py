@@ -97,15 +97,13 @@ Run = Callable[[LabelledPoints, ClustererSettings, int], ClusteringResult]
 class Clusterer:
     """A clusterer: its run, what its result depends on, and what it can take.
 
-    ``varies``: with the order of the points or the seed. ``only_histograms``: makes sense
-    for embedded histograms only. ``most_points``: more are too many, since it takes memory
-    or time by the square of the points. ``needs``: the package that it comes with, where
-    that need not be installed.
+    ``varies``: with the order of the points or the seed. ``most_points``: more are too many,
+    since it takes memory or time by the square of the points. ``needs``: the package that it
+    comes with, where that need not be installed.
     """
 
     run: Run
     varies: bool = True
-    only_histograms: bool = False
     most_points: int | None = None
     needs: str | None = None
 

@@ -13,9 +13,7 @@ from mpap_cli.evaluation.clusterers.records import ClusteringResult, LabelledPoi
 class ClusteringRow:
     """One run of one clusterer (a row of cluster.csv).
 
-    ``order_seed`` is None where neither order nor seed matters; ``clustered_points`` and
-    ``coverage`` are None where nothing is summarized or left out. Scores are NaN unless
-    the points belong to two classes or more.
+    Scores are NaN unless the points belong to two classes or more.
     """
 
     method: Annotated[

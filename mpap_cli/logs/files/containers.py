@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from mpap_cli.errors import LogError
+from mpap_cli.errors import LogError, require_finite
 from mpap_cli.logs.files import bag_records, mcap_records
 from mpap_cli.logs.files.compression import MAX_CHUNK_BYTES
 from mpap_cli.logs.files.databases.sqlite import UNFINISHED, open_sqlite
@@ -44,6 +44,8 @@ def container_of(path: LogPath) -> str:
         If the file is missing, empty, a Git LFS pointer or no log.
     """
     try:
+        if isinstance(path, Path):
+            require_finite(path)
         with path.open("rb") as stream:
             head = stream.read(64)
     except OSError as err:

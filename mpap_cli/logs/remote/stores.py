@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from typing import Any, Protocol, TypeVar
 
 from mpap_cli.errors import LogError
-from mpap_cli.logs.remote.urls import HTTP, scheme_of, shown
+from mpap_cli.logs.remote.urls import scheme_of, shown
 
 REMOTE_EXTRA = 'pip install "mpap[remote]"'
 WAITS_S = (0.5, 1.0, 2.0, 4.0)

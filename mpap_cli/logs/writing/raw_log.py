@@ -73,10 +73,11 @@ class RawLogWriter:
         trace: TracebackType | None,
     ) -> None:
         with self._writing():
-            if kind is None:
-                self._writer.close()
-            else:
-                self._writer.abort()
+            try:
+                if kind is None:
+                    self._writer.close()
+            finally:
+                self._writer.abort()  # whatever the disk refused, the file is let go of
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
@@ -85,7 +86,7 @@ class RawLogWriter:
             yield
         except (OSError, sqlite3.Error) as err:
             found = (err.strerror if isinstance(err, OSError) else None) or str(err)
-            msg = f"{self.path.name}: cannot be written ({found.lower()}); choose another --out"
+            msg = f"{self.path}: cannot be written ({found.lower()}); choose another --out"
             raise OutputError(msg) from err
 
 

@@ -68,10 +68,11 @@ class _RosbagsStorage(Generic[Bag]):
         self._bag.write(self._connections[topic_id], stamp_ns, payload)
 
     def close(self, *, whole: bool) -> None:
-        if whole:
-            self._bag.close()
-        else:
-            self._bag.abort()
+        try:
+            if whole:
+                self._bag.close()
+        finally:
+            self._bag.abort()  # whatever the disk refused, the file is let go of
 
 
 class _BagStorage(_RosbagsStorage[Bag1]):

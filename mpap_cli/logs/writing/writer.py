@@ -126,9 +126,7 @@ class LogWriter:
         return self._storage
 
     def __enter__(self) -> Self:
-        if self.path.exists():
-            msg = f"{self.path}: exists already; remove it or choose another name"
-            raise OutputError(msg)
+        self._require_free()
         try:
             with self._writing():
                 self._aside = ScratchFolder(".mpap-", self.path.parent)
@@ -151,9 +149,15 @@ class LogWriter:
                 with self._writing():
                     storage.close(whole=kind is None)
                     if kind is None:
+                        self._require_free()  # another run may have been faster
                         (self._aside.path / self.path.name).rename(self.path)
         finally:
             self._remove_aside()
+
+    def _require_free(self) -> None:
+        if self.path.exists():
+            msg = f"{self.path}: exists already; remove it or choose another name"
+            raise OutputError(msg)
 
     @contextmanager
     def _writing(self) -> Iterator[None]:

@@ -3,7 +3,6 @@
 import csv
 import json
 import logging
-import os
 from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.resources import files
@@ -11,6 +10,7 @@ from pathlib import Path
 
 from mpap_cli import __version__
 from mpap_cli.errors import MpapError
+from mpap_cli.logs.scratch import ScratchFolder
 from mpap_cli.outputs.report.charts import Chart, novelty_chart, score_charts, timeline_charts
 from mpap_cli.outputs.report.clusters import cluster_sections
 from mpap_cli.outputs.report.presses import MOST_DRAWN, press_views
@@ -37,17 +37,20 @@ def redraw(out: Path) -> None:
         Folder of all results.
     """
     path = out / REPORT
-    beside = out / f".{REPORT}.{os.getpid()}"
     try:
         page = report_page(out)
     except (*_NOT_OURS, OSError) as err:
         LOGGER.warning("%s: left as it was, the results cannot be drawn (%s)", path, err)
         return
     try:
-        beside.write_text(page, encoding="utf-8", errors="backslashreplace")
-        beside.replace(path)
+        aside = ScratchFolder(f".{REPORT}-", out)
+        try:
+            beside = aside.path / REPORT
+            beside.write_text(page, encoding="utf-8", errors="backslashreplace")
+            beside.replace(path)
+        finally:
+            aside.remove()
     except OSError as err:
-        beside.unlink(missing_ok=True)
         LOGGER.warning("%s: cannot be written (%s)", path, (err.strerror or str(err)).lower())
 
 

@@ -33,6 +33,15 @@ def test_results_are_those_of_learn(merged: Path) -> None:
     assert record["settings"]["merge"] is True
 
 
+def test_what_is_odd_about_a_log_is_said_once(tmp_path: Path) -> None:
+    """While it is learnt in this process, or in the end where an earlier run has learnt it."""
+    words = ("learn", "--merge", BAG, *ONE, "--end", "20", "-o", tmp_path)
+
+    outcomes = [done(*words), done(*words)]
+
+    assert [one.err.count(f"{BAG.name}: no positive") for one in outcomes] == [1, 1]
+
+
 def test_the_manifest_has_a_row_for_every_log(merged: Path) -> None:
     """It counts scans and presses, and names the leaf."""
     rows = manifest(merged)

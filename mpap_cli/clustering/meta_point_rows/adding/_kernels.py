@@ -20,7 +20,7 @@ from mpap_cli.clustering.meta_point_rows._kernels import (
     take_in,
     update_meta_point,
 )
-from mpap_cli.clustering.meta_point_rows.adding.products import Block, Products
+from mpap_cli.clustering.meta_point_rows.adding.blocks import Block, Products
 from mpap_cli.clustering.meta_point_rows.distances._kernels import (
     compiled,
     dot,

@@ -1,9 +1,8 @@
 """float32 products of points and references, which rule out most rows of a search."""
 
-from typing import NamedTuple
-
 import numpy as np
 
+from mpap_cli.clustering.meta_point_rows.adding.blocks import Block, Products, part_of
 from mpap_cli.clustering.meta_point_rows.tables import (
     CLUSTER_POINT,
     LANES,
@@ -12,7 +11,6 @@ from mpap_cli.clustering.meta_point_rows.tables import (
     Rows,
     Rules,
 )
-from mpap_cli.observations import Float32Array, Float64Array, Int8Array, IntArray
 
 # More than float32 rounds by, for each coordinate and a few steps around the sum.
 _ROUNDING = 6.1e-8
@@ -25,55 +23,6 @@ _LENGTHS = 1e-3, 1e6
 _MOST_POINTS, _FEWEST_POINTS = 1024, 64
 _FAR_POINTS = 64
 _ELEMENTS = 1 << 19
-
-
-class Products(NamedTuple):
-    """Products of m points with the rows of both kinds, a column a row.
-
-    ``of_clusters`` (m, width) has all points; ``of_noise`` only those that are far from every
-    cluster-point, the i-th of them at ``places[i]``, -1 for others. Of each column
-    ``heights`` (2, width) is half of the squared length of the reference, ``bases``, less what
-    the row may have come nearer by ``drifts`` since; behind the last it is inf. ``members``
-    is the row of a column, ``columns`` the column of a row. ``halves`` (m,) are half of the
-    squared lengths of the points. ``slack`` is the most by which half of a squared distance
-    is misplaced.
-    """
-
-    halves: Float64Array
-    places: IntArray
-    of_noise: Float32Array
-    of_clusters: Float32Array
-    heights: Float32Array
-    bases: Float64Array
-    drifts: Float64Array
-    members: IntArray
-    columns: IntArray
-    n_columns: IntArray
-    slack: float
-
-
-class Block(NamedTuple):
-    """Points that come one after the other, half of their squared lengths, and what they get."""
-
-    points: Float32Array
-    halves: Float64Array
-    stamps_ns: IntArray
-    ids: IntArray
-    cases: Int8Array
-    log_index: int
-
-
-def part_of(block: Block, start: int, stop: int) -> Block:
-    """Return a view of some of the points."""
-    rows = slice(start, stop)
-    return Block(
-        block.points[rows],
-        block.halves[rows],
-        block.stamps_ns[rows],
-        block.ids[rows],
-        block.cases[rows],
-        block.log_index,
-    )
 
 
 def product_slack(length: float, n_dims: int) -> float:

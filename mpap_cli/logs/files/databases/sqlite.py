@@ -4,7 +4,6 @@ import shutil
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
-from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,14 +17,14 @@ from mpap_cli.logs.files.databases.content import (
     connect,
     read_content,
 )
-from mpap_cli.logs.files.runs import MAX_STAMP_NS, group_messages
+from mpap_cli.logs.files.databases.row_groups import row_groups, runs_of_rows, unsound_rows
+from mpap_cli.logs.files.runs import MAX_STAMP_NS, messages_in
 from mpap_cli.logs.raw import Damage, LogFile, RawMessage, Reading, RunGroup, Topic
 
 if TYPE_CHECKING:
     from mpap_cli.logs.files.databases.saved_database import SavedDatabase
 
 UNFINISHED = ("-wal", "-journal")
-_BLOCK_ROWS = 16  # a row may be an image of a megabyte
 # the same over the rows and over the index of stamps, which holds stamp and id of each row
 _CHECKSUM = "COUNT(*), SUM(timestamp >> 32), SUM(timestamp % 1048573 * (1 + id % 1021))"
 
@@ -55,37 +54,25 @@ class SqliteFile(Database):
         self, wanted: Mapping[int, Topic], start_ns: int | None, end_ns: int | None
     ) -> Iterator[RawMessage]:
         """Yield the messages of the wanted channels in log time order, start <= t < end."""
-        if self._saved is not None:
-            yield from self._saved.messages(wanted, start_ns, end_ns)
-            return
-        first = -MAX_STAMP_NS if start_ns is None else start_ns
-        after = MAX_STAMP_NS if end_ns is None else end_ns
-        n_same = 0
-        try:
-            self._require_whole_index()
-            for block in self._select(wanted, first, after):
-                _require_order(block, first)
-                yield from block
-                last = block[-1].stamp_ns
-                n_same = (n_same if last == first else 0) + sum(m.stamp_ns == last for m in block)
-                first = last
-        except BROKEN_DATABASE as err:
-            rest = self._save(err).messages(wanted, first, after)
-            yield from islice(rest, n_same, None)
+        for group in self.runs(wanted, start_ns, end_ns):
+            yield from messages_in(group.runs)
 
     def runs(
         self, wanted: Mapping[int, Topic], start_ns: int | None, end_ns: int | None
     ) -> Iterator[RunGroup]:
         """Yield the same messages in runs."""
+        first = -MAX_STAMP_NS if start_ns is None else start_ns
+        after = MAX_STAMP_NS if end_ns is None else end_ns
         if self._saved is None:
             try:
                 self._require_whole_index()
+                for group in self._select(wanted, first, after):
+                    yield group
+                    first = group.until_ns
             except BROKEN_DATABASE as err:
                 self._save(err)
         if self._saved is not None:
-            yield from self._saved.runs(wanted, start_ns, end_ns)
-        else:
-            yield from group_messages(self.messages(wanted, start_ns, end_ns))
+            yield from self._saved.runs(wanted, first, after)
 
     def channel_bytes(self) -> Mapping[int, int]:
         """Return how large the payloads of each channel are; of large ones nothing is read."""
@@ -114,10 +101,8 @@ class SqliteFile(Database):
             raise sqlite3.DatabaseError(BROKEN_INDEX)
         self._is_checked = True
 
-    def _select(
-        self, wanted: Mapping[int, Topic], first: int, after: int
-    ) -> Iterator[list[RawMessage]]:
-        """Yield messages in blocks out of the tables; what is broken is counted."""
+    def _select(self, wanted: Mapping[int, Topic], first: int, after: int) -> Iterator[RunGroup]:
+        """Yield messages out of the tables; what is broken is counted."""
         numbers, known = (",".join(map(str, some)) for some in (wanted, self.channels))
         query = (
             f"SELECT i.timestamp, m.rowid, m.topic_id, m.timestamp, m.data FROM {BY_STAMP} "  # noqa: S608
@@ -126,25 +111,13 @@ class SqliteFile(Database):
             f"ORDER BY i.timestamp, i.id"
         )
         with closing(connect(self._database)) as database:
-            rows = database.execute(query, (first, after))
-            while block := rows.fetchmany(_BLOCK_ROWS):
-                if any(number is None or stamp != own for stamp, number, _, own, _ in block):
-                    raise sqlite3.DatabaseError(BROKEN_INDEX)
-                # one flipped bit makes a blob a text or a stamp a float
-                lost = [
-                    number
-                    for _, number, topic, stamp, data in block
-                    if not (topic in wanted and isinstance(data, bytes) and isinstance(stamp, int))
-                ]
-                if lost:
-                    self._lose(lost)
-                sound = [
-                    RawMessage(wanted[topic], stamp, data)
-                    for _, number, topic, stamp, data in block
-                    if number not in self._lost
-                ]
+            for until_ns, rows in row_groups(database.execute(query, (first, after)), first):
+                unsound = unsound_rows(rows, wanted)
+                if unsound:
+                    self._lose(unsound)
+                sound = [row for row in rows if row[1] not in self._lost] if self._lost else rows
                 if sound:
-                    yield sound
+                    yield RunGroup(until_ns, runs_of_rows(sound, wanted))
 
     def _lose(self, numbers: Sequence[int]) -> None:
         """Report rows that are no messages once, however often the log is read."""
@@ -167,13 +140,6 @@ class SqliteFile(Database):
             )
             self.n_messages = self._saved.n_messages
         return self._saved
-
-
-def _require_order(block: Sequence[RawMessage], first: int) -> None:
-    """Refuse what a broken index gives: stamps that fall."""
-    stamps = [first, *(message.stamp_ns for message in block)]
-    if stamps != sorted(stamps):
-        raise sqlite3.DatabaseError(BROKEN_INDEX)
 
 
 def open_sqlite(path: Path, reading: Reading, *, count: bool = True) -> LogFile:

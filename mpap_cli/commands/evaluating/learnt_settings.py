@@ -1,4 +1,4 @@
-"""What was learnt last in a results folder."""
+"""The settings of what was learnt last in a results folder."""
 
 from pathlib import Path
 
