@@ -4,7 +4,8 @@
 OUT that holds the whole results of every command already, made from another input. Half of
 the kills come anywhere in a run, the others while results are put in place. Afterwards a
 copy of OUT is read, in which each folder must be byte by byte what one of two undisturbed
-runs wrote; and the same command is run again in OUT itself.
+runs wrote; and the same command is run again in OUT itself. ``learn --merge`` has an OUT
+of its own in OUT, and learns its leaves anew each time.
 """
 
 import argparse
@@ -21,6 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.measuring import MPAP, environment
+from mpap_cli.commands.fleet.learn_merged import LEAVES
 from mpap_cli.errors import OutputError
 from mpap_cli.outputs.publishing import staging_of
 from mpap_cli.outputs.results_reader import read_results
@@ -28,6 +30,7 @@ from mpap_cli.outputs.results_record import SETTINGS_NAME, listed_outputs
 
 MERGED = "learn --merge"
 COMMANDS = ("learn", "merge", "predict", "novelty", "evaluate", "extract", MERGED)
+_FOLDERS = {MERGED: "merged/learn"}
 _FIXTURES = Path(__file__).parents[1] / "fixtures"
 _LOGS = tuple(str(_FIXTURES / name) for name in ("indoor-a.bag", "indoor-a2.mcap"))
 _PART = ("--end", "40")
@@ -35,7 +38,7 @@ _PUBLISHING_S = 0.03
 _POLL_S = 0.0002
 _COLUMNS = (
     ("kill", 5),
-    ("command", 10),
+    ("command", 15),
     ("moment", 26),
     ("left behind", 38),
     ("results", 9),
@@ -89,7 +92,7 @@ class Target:
         for command in sorted(commands, key=COMMANDS.index):
             for variant, out in enumerate(self._undisturbed):
                 begin = time.monotonic()
-                _run(self.words(command, variant), out).check_returncode()
+                _run(self.words(command, variant), _folder(out, command).parent).check_returncode()
                 self._took_s[command] = time.monotonic() - begin
         shutil.copytree(self._undisturbed[0], self.out)
 
@@ -104,17 +107,20 @@ class Target:
             "novelty": ["novelty", log, *_PART],
             "evaluate": ["evaluate", log, *_PART],
             "extract": ["extract", log, "--presses", *_PART],
+            MERGED: ["learn", "--merge", *_LOGS[variant:], "--jobs", "1", *_PART],
         }[command]
 
     def kill(self, command: str, rng: np.random.Generator, *, while_publishing: bool) -> Kill:
         """Kill a run of a command once, look at what is there, and run the command again."""
         variant = 1 - self._variant_in(self.out, command)
+        folder = _folder(self.out, command)
         while True:
+            shutil.rmtree(folder.parent / LEAVES, ignore_errors=True)
             moment = self._kill_at_random(command, variant, rng, while_publishing=while_publishing)
             if moment:
                 break
             variant = 1 - variant  # it was done before: once more, back to the other one
-        left = _left_behind(self.out / command)
+        left = _left_behind(folder)
         complaints = []
         shutil.copytree(self.out, self._copy)
         try:
@@ -125,20 +131,20 @@ class Target:
             now = -1
             complaints.append(str(error))
         shutil.rmtree(self._copy)
-        again = _run(self.words(command, variant), self.out)
+        again = _run(self.words(command, variant), folder.parent)
         if again.returncode or self._variant_in(self.out, command) != variant:
             complaints.append(f"the next run ended with {again.returncode}: {again.stderr[-200:]}")
-        hidden = sorted(path.name for path in self.out.iterdir() if path.name.startswith("."))
+        hidden = sorted(path.name for path in self.out.rglob(".*"))
         complaints += [f"{name} is still there" for name in hidden]
         results = {variant: "new", 1 - variant: "older"}.get(now, "broken")
         return Kill(command, moment, left, results, tuple(complaints))
 
     def _variant_in(self, out: Path, command: str) -> int:
         """Return which undisturbed run the results are those of; OutputError if of none."""
-        results = read_results(out / command)
+        results = read_results(_folder(out, command))
         names = {SETTINGS_NAME, *results.outputs}
         for variant, undisturbed in enumerate(self._undisturbed):
-            whole = undisturbed / command
+            whole = _folder(undisturbed, command)
             if names == {path.name for path in whole.iterdir()} and all(
                 (results.folder / name).read_bytes() == (whole / name).read_bytes()
                 for name in names
@@ -152,8 +158,9 @@ class Target:
     ) -> str:
         """Start a run and kill it; return the moment, nothing if the run was done before."""
         delay_s = rng.uniform(0, _PUBLISHING_S if while_publishing else self._took_s[command])
-        staged = staging_of(self.out / command) / SETTINGS_NAME
-        words = [MPAP, *self.words(command, variant), "-o", str(self.out)]
+        folder = _folder(self.out, command)
+        staged = staging_of(folder) / SETTINGS_NAME
+        words = [MPAP, *self.words(command, variant), "-o", str(folder.parent)]
         null = subprocess.DEVNULL
         with subprocess.Popen(words, env=environment(), stdout=null, stderr=null) as child:
             while while_publishing and child.poll() is None and not staged.exists():
@@ -165,6 +172,11 @@ class Target:
         if while_publishing:
             return f"{1000 * delay_s:.1f} ms after staging"
         return f"{delay_s:.2f} s of {self._took_s[command]:.2f} s"
+
+
+def _folder(out: Path, command: str) -> Path:
+    """Return where the results of a command lie."""
+    return out / _FOLDERS.get(command, command)
 
 
 def _run(words: Sequence[str], out: Path) -> "subprocess.CompletedProcess[str]":

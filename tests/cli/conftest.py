@@ -1,6 +1,8 @@
 """The command line run in this process, and small logs to run it on."""
 
-from collections.abc import Callable, Sequence
+import os
+import subprocess
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,6 +42,25 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
         return Outcome(int(left.value.code or 0), said.out, said.err)
 
     return call
+
+
+@pytest.fixture
+def mount(tmp_path: Path) -> Iterator[Callable[[str], Path]]:
+    """Return a function that mounts a disk in memory, or once more with other options."""
+    place = tmp_path / "disk"
+    place.mkdir()
+
+    def call(options: str) -> Path:
+        line = ["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(place)]
+        done = subprocess.run(line, capture_output=True, check=False)  # noqa: S603
+        if done.returncode:
+            pytest.skip("disks cannot be mounted here")
+        return place
+
+    yield call
+    if os.path.ismount(place):
+        # lazy: the error that a test looks at may still hold a file
+        subprocess.run(["umount", "--lazy", str(place)], check=True)  # noqa: S603, S607
 
 
 def scan_message(distance_m: float, n_beams: int, range_max: float = 5.0) -> dict[str, Any]:

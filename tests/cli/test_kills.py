@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.kills import kill_often
+from benchmarks.kills import MERGED, kill_often
 from mpap_cli.errors import OutputError
 from mpap_cli.outputs.publishing import lock_of
 from mpap_cli.outputs.results_folder import ResultsFolder
@@ -160,7 +160,7 @@ def test_the_next_reproduce_removes_what_a_killed_one_left(tmp_path: Path) -> No
 @pytest.mark.slow
 def test_results_are_whole_after_every_kill(tmp_path: Path) -> None:
     """Each folder holds older or new results, never mixed, and the next run works."""
-    kills = list(kill_often(tmp_path, ("learn", "merge", "predict"), n_kills=6, seed=1))
+    kills = list(kill_often(tmp_path, ("learn", MERGED, "predict"), n_kills=6, seed=1))
 
     assert [kill.complaints for kill in kills] == [()] * 6
     assert {kill.results for kill in kills} <= {"older", "new"}

@@ -235,3 +235,18 @@ def test_unknown_type_or_field_is_named() -> None:
         JsonEncoder().definition("Such")
     with pytest.raises(UsageError, match="JSON cannot hold inf"):
         JsonEncoder().encode("foxglove.LaserScan", {"ranges": np.array([math.inf])})
+
+
+@pytest.mark.parametrize("container", ["bag", "rosbag2-sqlite3"])
+def test_a_log_that_appeared_meanwhile_stays(tmp_path: Path, container: str) -> None:
+    """Of two writers of one name the faster one is kept; the other is told."""
+    path = tmp_path / "log"
+    with LogWriter(path, container) as writer:
+        writer.write("/bump", "std_msgs/msg/Bool", 10**18, {"data": True})
+        path.write_text("mine", encoding="utf-8")
+
+        with pytest.raises(OutputError, match="exists already"):
+            writer.__exit__(None, None, None)
+
+    assert [one.name for one in tmp_path.iterdir()] == ["log"]
+    assert path.read_text(encoding="utf-8") == "mine"
