@@ -53,10 +53,10 @@ bench: $(VENV)/.installed-tools
 
 soak: $(VENV)/.installed-tools
 	HYPOTHESIS_PROFILE=soak $(BIN)/python -m pytest -q -n 2 --durations=10
-	PYTHONPATH=. $(BIN)/python benchmarks/fuzz.py --minutes $(FUZZ_MINUTES) fixtures \
+	PYTHONPATH=. $(BIN)/python benchmarks/robustness/fuzz.py --minutes $(FUZZ_MINUTES) fixtures \
 		$(if $(MPAP_SHARED),$(MPAP_SHARED)/data/logs)
-	PYTHONPATH=. $(BIN)/python benchmarks/kills.py --kills 30
-	PYTHONPATH=. $(BIN)/python benchmarks/long_runs.py --hours 100
+	PYTHONPATH=. $(BIN)/python benchmarks/robustness/kills.py --kills 30
+	PYTHONPATH=. $(BIN)/python benchmarks/long_histories/long_runs.py --hours 100
 
 clean:
 	rm -rf $(VENV) mpap-out .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage

@@ -14,29 +14,29 @@ import tempfile
 import time
 from pathlib import Path
 
-from benchmarks.measuring import environment
-from benchmarks.table import COLUMNS, Row, line, packed, shown, unpacked
+from benchmarks.measuring.processes import environment
+from benchmarks.measuring.table import COLUMNS, Row, line, packed, shown, unpacked
 
 # Name of a benchmark: its module; the function in it has the name of the benchmark.
 BENCHMARKS = {
-    "startup": "startup",
-    "kernel": "scan_features",
-    "reading": "scan_features",
-    "chosen": "scan_features",
-    "containers": "scan_features",
-    "images": "images",
-    "insertion": "insertion",
-    "affinity": "affinity",
-    "strap": "strap",
-    "growth": "growth",
-    "long_runs": "long_runs",
-    "learn": "learning",
-    "pipeline": "learning",
-    "evaluate": "learning",
-    "memory": "learning",
+    "startup": "speed.startup",
+    "kernel": "speed.scan_features",
+    "reading": "speed.scan_features",
+    "chosen": "speed.scan_features",
+    "containers": "speed.scan_features",
+    "images": "speed.images",
+    "insertion": "speed.insertion",
+    "affinity": "speed.affinity",
+    "strap": "speed.strap",
+    "growth": "speed.growth",
+    "long_runs": "long_histories.long_runs",
+    "learn": "speed.learning",
+    "pipeline": "speed.learning",
+    "evaluate": "speed.learning",
+    "memory": "speed.learning",
 }
 # These take half an hour and more: only where they are named.
-LONG_BENCHMARKS = {"hour": "learning"}
+LONG_BENCHMARKS = {"hour": "speed.learning"}
 _CHILD = "--in-child"
 
 

@@ -8,8 +8,7 @@ from mpap_cli.cli.info_text import TopicRow
 from mpap_cli.cli.model_text import ModelRow
 from mpap_cli.cli.predicted_text import PredictedRow
 from mpap_cli.cli.simulated_text import SimulatedRow
-from mpap_cli.commands.extracting.cutting import SegmentRow
-from mpap_cli.commands.facts import (
+from mpap_cli.commands.describing.facts import (
     BumpFacts,
     ImageFacts,
     LogFacts,
@@ -18,6 +17,7 @@ from mpap_cli.commands.facts import (
     ScanFacts,
     TopicFacts,
 )
+from mpap_cli.commands.extracting.cutting import SegmentRow
 from mpap_cli.commands.fleet.manifest import ManifestRow
 from mpap_cli.commands.settings import SettingRow
 from mpap_cli.evaluation.clusterers.scores import ClusteringRow

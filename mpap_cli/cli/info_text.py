@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Annotated
 
-from mpap_cli.commands.facts import ImageFacts, LogFacts
+from mpap_cli.commands.describing.facts import ImageFacts, LogFacts
 from mpap_cli.commands.info import LogInfo
 from mpap_cli.logs.times import is_date
 from mpap_cli.observations import NS_PER_S

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from mpap_cli.commands.facts import ModelFacts
+from mpap_cli.commands.describing.facts import ModelFacts
 from mpap_cli.commands.info import ModelInfo
 from mpap_cli.outputs.text_table import aligned, count, printable
 from mpap_cli.systems.columns import LogName

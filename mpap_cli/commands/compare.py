@@ -31,7 +31,7 @@ from mpap_cli.outputs.tables import write_csv
 from mpap_cli.params import Settings
 from mpap_cli.systems.appearance import AppearanceModel
 from mpap_cli.systems.collision import CollisionModel
-from mpap_cli.systems.obstacles import KnownPatches
+from mpap_cli.systems.obstacles import KnownExemplars
 
 NOVEL = 4
 """Exit code where the last log is newer than allowed."""
@@ -102,7 +102,7 @@ def compare(
         selection = replace(selection, sensor=sensor_to_meet(selection, Models(chosen)))
     losses, inputs = Losses(), list[InputFile]()
     with one_thread_each(), ResultsFolder(request.out, "compare") as results:
-        learnt: list[tuple[Source, KnownPatches]] = []
+        learnt: list[tuple[Source, KnownExemplars]] = []
         for source in open_sources(selection, chosen, losses):
             learnt.append((source, _learn(source, selection.sensor, chosen, request, progress)))
             inputs.append(describe_input(source.path))
@@ -126,7 +126,7 @@ def compare(
 
 def _learn(
     source: Source, sensor: str, settings: Settings, request: CompareRequest, progress: Progress
-) -> KnownPatches:
+) -> KnownExemplars:
     """Learn one log alone and return what it can explain."""
     models = Models(settings)
     for _ in meet(models, source, sensor, request.jobs, progress):
@@ -135,7 +135,7 @@ def _learn(
         return models.appearance.known()
     if models.collision is not None:
         return known_scans(models.collision)
-    return KnownPatches(np.zeros((0, 0), dtype=np.float32), 0.0)
+    return KnownExemplars(np.zeros((0, 0), dtype=np.float32), 0.0)
 
 
 def _look(

@@ -7,14 +7,8 @@ from typing import TYPE_CHECKING, TypeGuard
 
 import numpy as np
 
-from mpap_cli.commands.facts import LogFacts
-from mpap_cli.commands.inputs.press_file import presses_by_hand
-from mpap_cli.commands.inputs.press_tracking import LogPresses
-from mpap_cli.commands.inputs.progress import Progress, no_progress
-from mpap_cli.commands.inputs.replaying import follow
-from mpap_cli.commands.inputs.selection import LogSelection
-from mpap_cli.commands.inputs.sources import DAMAGED, Source, open_readable, survey_source
-from mpap_cli.commands.log_facts import (
+from mpap_cli.commands.describing.facts import LogFacts
+from mpap_cli.commands.describing.log_facts import (
     bump_facts,
     can_learn,
     count_lost,
@@ -24,6 +18,12 @@ from mpap_cli.commands.log_facts import (
     topic_facts,
     undefined_facts,
 )
+from mpap_cli.commands.inputs.press_file import presses_by_hand
+from mpap_cli.commands.inputs.press_tracking import LogPresses
+from mpap_cli.commands.inputs.progress import Progress, no_progress
+from mpap_cli.commands.inputs.replaying import follow
+from mpap_cli.commands.inputs.selection import LogSelection
+from mpap_cli.commands.inputs.sources import DAMAGED, Source, open_readable, survey_source
 from mpap_cli.errors import LogError
 from mpap_cli.features.images.image_decode import decode_frame
 from mpap_cli.logs.reader import LogPath, expand_paths

@@ -8,7 +8,7 @@ import numpy as np
 
 from mpap_cli.observations import BoolArray, Float32Array, Float64Array, IntArray
 from mpap_cli.systems.columns import LogIndex, LogName
-from mpap_cli.systems.obstacles import KnownPatches
+from mpap_cli.systems.obstacles import KnownExemplars
 
 THE_OTHERS = "all others"
 
@@ -33,11 +33,11 @@ class Comparison:
     ----------
     names : sequence of str
         Base names of the logs.
-    known : sequence of KnownPatches
+    known : sequence of KnownExemplars
         What was learnt of each of them alone.
     """
 
-    def __init__(self, names: Sequence[str], known: Sequence[KnownPatches]) -> None:
+    def __init__(self, names: Sequence[str], known: Sequence[KnownExemplars]) -> None:
         self._names = names
         self._known = known
         n_logs = len(names)

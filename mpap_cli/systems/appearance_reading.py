@@ -11,7 +11,7 @@ from mpap_cli.systems.cluster_rows import ClusterRow
 from mpap_cli.systems.discrepancy import find_discrepancies
 from mpap_cli.systems.labelling import LogSource
 from mpap_cli.systems.model_parts import CarriedVisits, ModelState
-from mpap_cli.systems.obstacles import KnownPatches, known_patches, patch_classifier
+from mpap_cli.systems.obstacles import KnownExemplars, known_patches, patch_classifier
 from mpap_cli.systems.patch_rows import ClusterPictures, find_pictures, make_patch_rows
 
 
@@ -75,7 +75,7 @@ class LearntAppearance:
         coarse = self._clustered().coarse
         return patch_classifier(self.two_scale, coarse, self.settings).classify(block.features)
 
-    def known(self) -> KnownPatches:
+    def known(self) -> KnownExemplars:
         """Return what the model can explain as it stands now; later learning changes nothing."""
         return known_patches(self.two_scale)
 

@@ -21,7 +21,7 @@ from mpap_cli.systems.nearest import nearest_exemplars
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class KnownPatches:
+class KnownExemplars:
     """What a model can explain, as it stood at one moment.
 
     ``features`` (f, d) are its exemplars, of length 1; ``eps`` is the fit radius.
@@ -31,12 +31,12 @@ class KnownPatches:
     eps: float
 
     def unknown(self, features: Float32Array) -> BoolArray:
-        """Tell which patches no exemplar explains.
+        """Tell which patches or scans no exemplar explains.
 
         Parameters
         ----------
         features : ndarray of shape (..., d)
-            Embedded patches, of length 1.
+            Embedded patches or scans, of length 1.
 
         Returns
         -------
@@ -45,7 +45,7 @@ class KnownPatches:
 
         Examples
         --------
-        >>> known = KnownPatches(np.eye(3, dtype=np.float32)[:2], eps=0.5)
+        >>> known = KnownExemplars(np.eye(3, dtype=np.float32)[:2], eps=0.5)
         >>> known.unknown(np.eye(3, dtype=np.float32)).tolist()
         [False, False, True]
         """
@@ -67,7 +67,7 @@ class PatchClassifier:
     ``base_rate``, which is NaN then.
     """
 
-    known: KnownPatches
+    known: KnownExemplars
     cluster: IntArray
     p_obstacle: Float64Array
     evidence: Float64Array
@@ -109,9 +109,9 @@ class PatchClassifier:
         return p[:, 0] if p.shape[1] == 1 else _weighted_mean(p, np.sqrt(squared))
 
 
-def known_patches(two_scale: TwoScale) -> KnownPatches:
+def known_patches(two_scale: TwoScale) -> KnownExemplars:
     """Return what a model can explain now, long-term and short-term; a copy."""
-    return KnownPatches(two_scale.fine().features.copy(), two_scale.strap.eps)
+    return KnownExemplars(two_scale.fine().features.copy(), two_scale.strap.eps)
 
 
 def patch_classifier(
@@ -160,7 +160,7 @@ def patch_classifier(
     evidence = weigh_labels(fine.labels, fine.count, sighting_weight)
     against, speaking = evidence.sum(axis=0).tolist()
     return PatchClassifier(
-        known=KnownPatches(fine.features, eps),
+        known=KnownExemplars(fine.features, eps),
         cluster=np.append(coarse.clustering.labels, np.full(n_short, -1)),
         p_obstacle=p,
         evidence=evidence,

@@ -9,7 +9,7 @@ import pytest
 
 from docs.columns_page import PRINTED, TABLES, meanings, settings_keys
 from mpap_cli.cli.main import COMMANDS
-from mpap_cli.commands.facts import (
+from mpap_cli.commands.describing.facts import (
     BumpFacts,
     LogFacts,
     ModelFacts,

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from benchmarks.guarded import Limits, guarded
+from benchmarks.measuring.guarded import Limits, guarded
 from mpap_cli.cli.main import main
 from mpap_cli.outputs.model_file import read_model, write_model
 

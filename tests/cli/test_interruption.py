@@ -12,7 +12,7 @@ from pathlib import Path
 import click
 import pytest
 
-from benchmarks.interruptions import await_heed, cpu_s, end
+from benchmarks.robustness.interruptions import await_heed, cpu_s, end
 from mpap_cli.cli.interruption import ended_by_signals, interruptible
 from tests.file_server import serving
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.kills import MERGED, kill_often
+from benchmarks.robustness.kills import MERGED, kill_often
 from mpap_cli.errors import OutputError
 from mpap_cli.outputs.publishing import lock_of
 from mpap_cli.outputs.results_folder import ResultsFolder

@@ -15,7 +15,7 @@ from typing import Any
 import click
 import pytest
 
-from benchmarks.interruptions import end
+from benchmarks.robustness.interruptions import end
 from mpap_cli import __version__
 from mpap_cli.cli.main import COMMANDS, mpap
 

@@ -3,14 +3,18 @@
 import numpy as np
 
 from mpap_cli.evaluation.comparing import Comparison
-from mpap_cli.systems.obstacles import KnownPatches
+from mpap_cli.systems.obstacles import KnownExemplars
 
 EYE = np.eye(4, dtype=np.float32)
 
 
 def test_each_against_each_and_all() -> None:
     """All others together know what any of them knows."""
-    known = [KnownPatches(EYE[:1], 0.5), KnownPatches(EYE[1:2], 0.5), KnownPatches(EYE[2:3], 0.5)]
+    known = [
+        KnownExemplars(EYE[:1], 0.5),
+        KnownExemplars(EYE[1:2], 0.5),
+        KnownExemplars(EYE[2:3], 0.5),
+    ]
     comparison = Comparison(["a", "b", "c"], known)
 
     comparison.add(0, EYE[:2])
@@ -29,7 +33,7 @@ def test_each_against_each_and_all() -> None:
 
 def test_log_without_observations() -> None:
     """Its shares are 0, not a division by zero."""
-    comparison = Comparison(["a", "b"], [KnownPatches(EYE[:1], 0.5)] * 2)
+    comparison = Comparison(["a", "b"], [KnownExemplars(EYE[:1], 0.5)] * 2)
 
     comparison.add(0, EYE)
 

@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from benchmarks.guarded import Limits, guarded
+from benchmarks.measuring.guarded import Limits, guarded
 from mpap_cli.cli.main import main
 from mpap_cli.cli.model_text import model_text
 from mpap_cli.commands.info import ModelInfo

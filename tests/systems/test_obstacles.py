@@ -12,7 +12,7 @@ from mpap_cli.properties.counts import ClusteredPoints
 from mpap_cli.systems.appearance_parts import cluster_coarsely
 from mpap_cli.systems.nearest import nearest_exemplars
 from mpap_cli.systems.obstacles import (
-    KnownPatches,
+    KnownExemplars,
     PatchClassifier,
     cluster_p_obstacle,
     known_patches,
@@ -29,7 +29,7 @@ def points_of(n: int, seed: int, n_bins: int = 8) -> Float32Array:
 def classifier_of(exemplars: Float32Array, neighbors: int, seed: int) -> PatchClassifier:
     """Return a classifier with clusters and probabilities of its own for each exemplar."""
     random = np.random.default_rng(seed)
-    known = KnownPatches(exemplars, eps=0.3)
+    known = KnownExemplars(exemplars, eps=0.3)
     cluster = random.integers(0, 4, size=len(exemplars))
     p, evidence = random.uniform(size=len(exemplars)), random.uniform(size=(len(exemplars), 2))
     return PatchClassifier(known, cluster, p, evidence, base_rate=0.5, neighbors=neighbors)
@@ -90,7 +90,7 @@ def test_the_fit_radius_is_not_within() -> None:
     """A patch at exactly eps is unknown, as it would be an outlier."""
     exemplars, eps = np.eye(2, dtype=np.float32)[:1], 1.0
 
-    assert KnownPatches(exemplars, eps).unknown(np.eye(2, dtype=np.float32)).tolist() == [
+    assert KnownExemplars(exemplars, eps).unknown(np.eye(2, dtype=np.float32)).tolist() == [
         False,
         True,
     ]

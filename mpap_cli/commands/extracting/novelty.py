@@ -24,7 +24,7 @@ from mpap_cli.evaluation.keeping import Moment, merge, widen
 from mpap_cli.observations import NS_PER_S, BoolArray, IntArray
 from mpap_cli.outputs.model_file import find_model
 from mpap_cli.outputs.results_reader import describe_input
-from mpap_cli.systems.obstacles import KnownPatches
+from mpap_cli.systems.obstacles import KnownExemplars
 
 LOGGER = logging.getLogger(__name__)
 _CELL_S = {"scan": 1.0, "image": 0.5}  # features of scans look back a second
@@ -156,7 +156,7 @@ def _explained(meeting: _Meeting, seen: Seen, cells: BoolArray) -> BoolArray:
     points = MetaPoints(params, seen.exemplars.shape[1])
     points.add_data_points(shown, np.zeros(len(shown), np.int64))
     references = points.references()[points.is_cluster_point].astype(np.float32)
-    return ~KnownPatches(references, params.theta).unknown(seen.exemplars)
+    return ~KnownExemplars(references, params.theta).unknown(seen.exemplars)
 
 
 def _margins(request: ExtractRequest, budget_ns: int, cell_s: float) -> tuple[int, int]:

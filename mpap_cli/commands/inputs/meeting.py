@@ -15,7 +15,7 @@ from mpap_cli.commands.learning.models_in_progress import note_images
 from mpap_cli.observations import BoolArray, Float32Array, IntArray
 from mpap_cli.systems.appearance import AppearanceModel
 from mpap_cli.systems.collision import CollisionModel
-from mpap_cli.systems.obstacles import KnownPatches
+from mpap_cli.systems.obstacles import KnownExemplars
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,8 +109,8 @@ def _meet_scans(models: Models, source: Source, jobs: int, progress: Progress) -
     model.end_log(source.replay.end_ns)
 
 
-def known_scans(model: CollisionModel) -> KnownPatches:
+def known_scans(model: CollisionModel) -> KnownExemplars:
     """Return what a model of scans can explain now: all within theta of a cluster-point."""
     points = model.meta_points
     references = points.references()[points.is_cluster_point].astype(np.float32)
-    return KnownPatches(references, points.params.theta)
+    return KnownExemplars(references, points.params.theta)

@@ -5,11 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from mpap_cli.errors import LogError, require_finite
-from mpap_cli.logs.files import bag_records, mcap_records
-from mpap_cli.logs.files.compression import MAX_CHUNK_BYTES
+from mpap_cli.logs.files.chunked.compression import MAX_CHUNK_BYTES
 from mpap_cli.logs.files.databases.sqlite import UNFINISHED, open_sqlite
-from mpap_cli.logs.files.mcap import open_mcap
-from mpap_cli.logs.files.ros1 import open_bag
+from mpap_cli.logs.files.mcap_files import mcap_records
+from mpap_cli.logs.files.mcap_files.mcap import open_mcap
+from mpap_cli.logs.files.ros1_bags import bag_records
+from mpap_cli.logs.files.ros1_bags.ros1 import open_bag
 from mpap_cli.logs.raw import Damage, LogFile, Reading
 from mpap_cli.logs.remote.copying import copy_beside, copy_whole
 from mpap_cli.logs.remote.paths import LogPath

@@ -5,10 +5,10 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from mpap_cli.logs.files.bag_records import BagFormat
-from mpap_cli.logs.files.chunk_indexes import read_bag_index, read_mcap_index
-from mpap_cli.logs.files.chunks import BrokenRecordError, ChunkedFile
+from mpap_cli.logs.files.chunked.chunk_indexes import read_bag_index, read_mcap_index
+from mpap_cli.logs.files.chunked.chunks import BrokenRecordError, ChunkedFile
 from mpap_cli.logs.files.databases.content import Database
+from mpap_cli.logs.files.ros1_bags.bag_records import BagFormat
 from mpap_cli.logs.raw import LogFile, TopicKey
 from mpap_cli.logs.remote.range_stream import RangeStream
 

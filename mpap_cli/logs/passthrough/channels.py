@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from mpap_cli.logs.files.bag_records import BagFormat
-from mpap_cli.logs.files.chunks import ChunkedFile
+from mpap_cli.logs.files.chunked.chunks import ChunkedFile
+from mpap_cli.logs.files.ros1_bags.bag_records import BagFormat
 from mpap_cli.logs.files.ros2 import Folder, load_metadata
 from mpap_cli.logs.passthrough.chunked_channels import (
     bag_channels,

@@ -11,9 +11,10 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Header, Schema
 
-from mpap_cli.logs.files import bag_records, mcap_records
-from mpap_cli.logs.files.chunks import BrokenRecordError, ChunkedFile, seek_to
-from mpap_cli.logs.files.mcap import summary_bytes
+from mpap_cli.logs.files.chunked.chunks import BrokenRecordError, ChunkedFile, seek_to
+from mpap_cli.logs.files.mcap_files import mcap_records
+from mpap_cli.logs.files.mcap_files.mcap import summary_bytes
+from mpap_cli.logs.files.ros1_bags import bag_records
 from mpap_cli.logs.passthrough.records import BagChannel, McapChannel
 from mpap_cli.logs.raw import Topic
 from mpap_cli.logs.remote.paths import LogPath

@@ -12,10 +12,10 @@ from types import TracebackType
 from typing import cast
 
 from mpap_cli.errors import LogError
-from mpap_cli.logs.files.bag_records import BagFormat
-from mpap_cli.logs.files.chunks import ChunkedFile
-from mpap_cli.logs.files.mcap_records import MESSAGE_HEAD_BYTES, McapFormat
+from mpap_cli.logs.files.chunked.chunks import ChunkedFile
+from mpap_cli.logs.files.mcap_files.mcap_records import MESSAGE_HEAD_BYTES, McapFormat
 from mpap_cli.logs.files.overlapping import overlapping
+from mpap_cli.logs.files.ros1_bags.bag_records import BagFormat
 from mpap_cli.logs.passthrough.channels import channels_of, origin_of
 from mpap_cli.logs.passthrough.records import Origin, RawChannel, Record
 from mpap_cli.logs.raw import Damage, LogFile, Reading, Topic

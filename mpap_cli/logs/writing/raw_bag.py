@@ -12,7 +12,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
-from mpap_cli.logs.files.bag_records import (
+from mpap_cli.logs.files.ros1_bags.bag_records import (
     BAG_HEADER,
     CHUNK,
     CHUNK_INFO,

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchmarks.mutations import MUTATIONS, mutated
+from benchmarks.robustness.mutations import MUTATIONS, mutated
 from mpap_cli.errors import LogError
 from mpap_cli.logs.files.containers import MAGICS
 from mpap_cli.logs.files.ros2 import read_metadata, storage_files

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.damage import DAMAGES, Tally, damage_log, read_copy, subject_of
-from benchmarks.damaged_logs import KINDS, write_logs
-from benchmarks.guarded import Limits, guarded
+from benchmarks.measuring.guarded import Limits, guarded
+from benchmarks.robustness.damage import DAMAGES, Tally, damage_log, read_copy, subject_of
+from benchmarks.robustness.damaged_logs import KINDS, write_logs
 
 CASES = 5
 

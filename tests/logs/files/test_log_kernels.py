@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mpap_cli.logs.files import _kernels as kernels
-from mpap_cli.logs.files.bag_records import opcode_of, record_at
-from mpap_cli.logs.files.chunks import BrokenRecordError
+from mpap_cli.logs.files.chunked.chunks import BrokenRecordError
+from mpap_cli.logs.files.ros1_bags.bag_records import opcode_of, record_at
 from mpap_cli.observations import IntArray
 
 Found = tuple[list[tuple[int, int, int, int]], bool]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.guarded import Limits, guarded
+from benchmarks.measuring.guarded import Limits, guarded
 from mpap_cli.outputs.report import runs as report_runs
 from mpap_cli.outputs.report.clusters import MOST_CARDS
 from mpap_cli.outputs.report.page import redraw, report_page

@@ -3,7 +3,7 @@
 import struct
 from typing import BinaryIO, NamedTuple
 
-from mpap_cli.logs.files.chunks import BrokenRecordError, file_size
+from mpap_cli.logs.files.chunked.chunks import BrokenRecordError, file_size
 
 LEAF = 0x0D
 """First byte of a page that holds rows of a table."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from mpap_cli.errors import LogError
-from mpap_cli.logs.files.chunks import BrokenRecordError
+from mpap_cli.logs.files.chunked.chunks import BrokenRecordError
 from mpap_cli.logs.files.databases.content import Content, Database, describe_topics
 from mpap_cli.logs.files.databases.saved_rows import SavedRows, find_saved_rows
 from mpap_cli.logs.files.databases.small_tables import read_small_tables

@@ -8,7 +8,7 @@ import pytest
 import zstandard
 
 from mpap_cli.errors import LogError
-from mpap_cli.logs.files.chunks import BrokenRecordError
+from mpap_cli.logs.files.chunked.chunks import BrokenRecordError
 from mpap_cli.logs.files.databases.saved_rows import find_saved_rows
 from mpap_cli.logs.reader import open_log
 from tests.logs.files.databases.broken_rows import LENGTHS, PAGE_BYTES, ROWS, STAMPS

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchmarks.mutations import mutated
+from benchmarks.robustness.mutations import mutated
 from mpap_cli.errors import LogError
 from mpap_cli.logs.files.databases import _kernels as kernels
 from mpap_cli.logs.files.databases import saved_rows

@@ -1,0 +1,1 @@
+"""MCAP files: their records, and how a file is opened."""

@@ -1,0 +1,1 @@
+"""Files without an index, or a broken one: read through once."""
