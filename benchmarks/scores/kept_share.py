@@ -200,7 +200,7 @@ def learn(logs: Sequence[Path | str], sensor: str) -> KnownExemplars:
         assert models.appearance is not None  # noqa: S101  # a log was met
         return models.appearance.known()
     assert models.collision is not None  # noqa: S101  # a log was met
-    return known_scans(models.collision)
+    return known_scans(models.collision.meta_points)
 
 
 def sources(logs: Sequence[Path | str], sensor: str) -> Iterator[Source]:

@@ -134,7 +134,7 @@ def _learn(
     if models.appearance is not None:
         return models.appearance.known()
     if models.collision is not None:
-        return known_scans(models.collision)
+        return known_scans(models.collision.meta_points)
     return KnownExemplars(np.zeros((0, 0), dtype=np.float32), 0.0)
 
 

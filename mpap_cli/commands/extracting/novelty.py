@@ -12,7 +12,7 @@ from mpap_cli.clustering.meta_points import MetaPoints
 from mpap_cli.commands.extracting.events import found_log
 from mpap_cli.commands.extracting.request import ExtractRequest, Found
 from mpap_cli.commands.extracting.sightings import Seen, SightingsLog
-from mpap_cli.commands.inputs.meeting import meet, sensor_to_meet
+from mpap_cli.commands.inputs.meeting import known_scans, meet, sensor_to_meet
 from mpap_cli.commands.inputs.models import Models, begin_models
 from mpap_cli.commands.inputs.progress import Progress
 from mpap_cli.commands.inputs.selection import LogSelection
@@ -24,7 +24,6 @@ from mpap_cli.evaluation.keeping import Moment, merge, widen
 from mpap_cli.observations import NS_PER_S, BoolArray, IntArray
 from mpap_cli.outputs.model_file import find_model
 from mpap_cli.outputs.results_reader import describe_input
-from mpap_cli.systems.obstacles import KnownExemplars
 
 LOGGER = logging.getLogger(__name__)
 _CELL_S = {"scan": 1.0, "image": 0.5}  # features of scans look back a second
@@ -155,8 +154,7 @@ def _explained(meeting: _Meeting, seen: Seen, cells: BoolArray) -> BoolArray:
     shown, params = seen.shown_in(cells), meeting.models.settings.meta_point
     points = MetaPoints(params, seen.exemplars.shape[1])
     points.add_data_points(shown, np.zeros(len(shown), np.int64))
-    references = points.references()[points.is_cluster_point].astype(np.float32)
-    return ~KnownExemplars(references, params.theta).unknown(seen.exemplars)
+    return ~known_scans(points).unknown(seen.exemplars)
 
 
 def _margins(request: ExtractRequest, budget_ns: int, cell_s: float) -> tuple[int, int]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mpap_cli.clustering.meta_points import MetaPoints
 from mpap_cli.commands.inputs.common_sensors import common_sensors
 from mpap_cli.commands.inputs.models import Models
 from mpap_cli.commands.inputs.progress import Progress
@@ -93,7 +94,7 @@ def _meet_images(models: Models, source: Source, jobs: int, progress: Progress) 
 def _meet_scans(models: Models, source: Source, jobs: int, progress: Progress) -> Iterator[Met]:
     """Learn the scans of one log."""
     model = models.collision = models.collision or CollisionModel(models.settings)
-    known = known_scans(model)
+    known = known_scans(model.meta_points)
     model.begin_log(source.start)
     for batch, _ in follow(source, jobs, progress, "meet"):
         for learnt in model.observe(batch):
@@ -109,8 +110,7 @@ def _meet_scans(models: Models, source: Source, jobs: int, progress: Progress) -
     model.end_log(source.replay.end_ns)
 
 
-def known_scans(model: CollisionModel) -> KnownExemplars:
-    """Return what a model of scans can explain now: all within theta of a cluster-point."""
-    points = model.meta_points
+def known_scans(points: MetaPoints) -> KnownExemplars:
+    """Return what meta-points of scans explain now: all within theta of a cluster-point."""
     references = points.references()[points.is_cluster_point].astype(np.float32)
     return KnownExemplars(references, points.params.theta)
